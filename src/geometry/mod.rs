@@ -1,0 +1,8 @@
+//! Surfaces as meshes: reading, checking, closest points, flattening. Knows meshes, not kirigami.
+
+/// A point in space, millimetres.
+pub type Point3 = nalgebra::Point3<f64>;
+/// A vector in space, millimetres.
+pub type Vector3 = nalgebra::Vector3<f64>;
+
+pub mod mesh;

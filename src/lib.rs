@@ -1,0 +1,32 @@
+//! kirimorph turns a surface in space into a flat sheet with a cut pattern that morphs into that
+//! surface, and makes the files that a workshop needs.
+//!
+//! The source is C. Jiang, F. Rist, H. Wang, J. Wallner, H. Pottmann, *Shape-morphing mechanical
+//! metamaterials*, CAD 2022 ("the paper"); equation, figure and section numbers in these pages are its own.
+//!
+//! ```text
+//! job file, mesh ──> TriMesh ──> flattening ──> ControlMesh ──> pieces and hinges ──> CutLayout ──> files
+//!    job, geometry::read    geometry      kirigami (stages 1-3)      kirigami         fabrication   output
+//! ```
+//!
+//! Frames: the *sheet* frame (millimetres, sheet mid-plane z = 0, x and y as on the machine's sheet) and the
+//! *target* frame (the mesh's own coordinates times the scale to millimetres). Units: millimetres, radians and
+//! `f64` everywhere inside; other units only at the rim, with a suffix in the key (`_deg`, `_mm_per_min`).
+//!
+//! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `fabrication` uses
+//! `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides nothing; `pipeline` and
+//! `cli` use all. No arrow goes back.
+
+pub mod job;
+
+pub mod profile;
+
+pub mod geometry;
+
+pub mod solver;
+
+pub mod kirigami;
+
+pub mod fabrication;
+
+pub mod output;

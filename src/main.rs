@@ -1,0 +1,3 @@
+//! The `kirimorph` command.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Writers: each turns values into the bytes of one format, and decides nothing.

@@ -1,0 +1,1 @@
+//! Numbers only: least squares and sparse factorisations. No geometry word appears here.
