@@ -2,3 +2,5 @@
 //! not file formats.
 
 pub mod layout;
+
+pub mod mechanics;

@@ -111,7 +111,7 @@ fn the_gap_follows_the_kerf_of_the_job() {
 #[test]
 fn stretches_are_scaled_onto_the_condition_of_the_pattern() {
     let folder = Folder::new("stretch");
-    for given in [[1.3, 1.5505], [1.4142, 1.4142], [1.414, 1.4142], [0.8, 6.088]] {
+    for given in [[1.3, 1.5505], [1.4145, 1.4145], [1.4135, 1.4145], [0.8, 6.088]] {
         let job = folder.read(&with("stretches", &format!("stretches = {given:?}"))).unwrap();
         let [m1, m2] = job.pattern.stretches;
         // Two roundings each.
