@@ -1,3 +1,29 @@
-//! The pattern: control meshes, pieces and hinges. Knows sheets and pieces, not machines.
+//! The pattern: from a flattened target to rigid pieces and hinges. Knows sheets and pieces, not machines.
+//!
+//! ```text
+//! Flattening ──cover──> Cover (grid over the flattening) ──start──> ControlMesh (Stage 1)
+//!   ──stage2──> ControlMesh of the right dimensions ──stage3──> pieces congruent in both states
+//!   ──hinges──> Design ──quality, validity──> measured, or refused
+//! ```
+
+pub mod piece_mesh;
+
+pub mod cover;
+
+pub mod corners;
+
+pub mod control_mesh;
+
+pub mod terms;
+
+pub mod stage2;
+
+pub mod stage3;
 
 pub mod design;
+
+pub mod hinges;
+
+pub mod quality;
+
+pub mod validity;

@@ -1,0 +1,89 @@
+//! Stage 1: the pair of control meshes V (closed) and V' (open).
+//!
+//! Black vertices are piece centres, white ones the corners of closed pieces; each edge between two pieces is one
+//! control face (section 3.1 and Fig. 7 of the paper). The regular grids V0 (cells a x b) and V0' (cells w x w)
+//! correspond with the user's principal stretches. V0 lies in the plane as it is; V0' is laid into the target by the
+//! inverse of its as-rigid-as-possible flattening.
+
+use super::cover::Cover;
+use crate::geometry::boundary::BoundaryCurve;
+use crate::geometry::closest::ClosestPoints;
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::{Point2, Point3};
+
+/// Positions of the control vertices in both states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControlMesh {
+    /// White vertices of V: corners of the closed sheet.
+    pub closed_corners: Vec<Point2>,
+    /// Black vertices of V: centres of the closed pieces.
+    pub closed_centres: Vec<Point2>,
+    /// White vertices of V'.
+    pub open_corners: Vec<Point3>,
+    /// Black vertices of V'.
+    pub open_centres: Vec<Point3>,
+}
+
+/// A target prepared for the optimisation: nearest points and boundary.
+pub struct Target {
+    /// Nearest points on the surface.
+    pub surface: ClosestPoints,
+    /// Its boundary.
+    pub boundary: BoundaryCurve,
+}
+
+impl Target {
+    /// Prepares a disk. `cycle` holds its boundary loop, the surface on the left.
+    pub fn new(mesh: TriMesh, cycle: &[usize]) -> Self {
+        Self { boundary: BoundaryCurve::new(&mesh, cycle), surface: ClosestPoints::new(mesh) }
+    }
+}
+
+/// Lays the pair of regular grids of a cover into the plane and into the target.
+///
+/// `flat` holds the flattened position of each vertex of the target's mesh.
+pub fn stage1(cover: &Cover, target: &TriMesh, flat: &[Point2]) -> ControlMesh {
+    let [a, b] = cover.cell.closed;
+    let corner = |&[i, j]: &[i32; 2]| Point2::new(a * f64::from(i), b * f64::from(j));
+    let closed_corners: Vec<Point2> = cover.positions.iter().map(corner).collect();
+    let closed_centres = cover
+        .mesh
+        .pieces
+        .iter()
+        .map(|piece| {
+            let sum: nalgebra::Vector2<f64> = piece.iter().map(|&c| closed_corners[c].coords).sum();
+            Point2::from(sum / piece.len() as f64)
+        })
+        .collect();
+    let lift = Lift::new(target, flat);
+    ControlMesh {
+        closed_corners,
+        closed_centres,
+        open_corners: cover.corners.iter().map(|p| lift.apply(p)).collect(),
+        open_centres: cover.centres.iter().map(|p| lift.apply(p)).collect(),
+    }
+}
+
+/// The map from the flattening's plane back to the target; beyond the boundary the nearest triangle's map goes on.
+struct Lift<'a> {
+    flat: ClosestPoints,
+    target: &'a TriMesh,
+}
+
+impl<'a> Lift<'a> {
+    fn new(target: &'a TriMesh, flat: &[Point2]) -> Self {
+        let vertices = flat.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
+        Self { flat: ClosestPoints::new(TriMesh { vertices, faces: target.faces.clone() }), target }
+    }
+
+    fn apply(&self, p: &Point2) -> Point3 {
+        let face = self.flat.closest(&Point3::new(p.x, p.y, 0.0)).triangle;
+        let face = self.target.faces[face];
+        let [a, b, c] = face.map(|v| self.flat.mesh().vertices[v].xy());
+        let (ab, ac, ap) = (b - a, c - a, p - a);
+        let area = ab.perp(&ac);
+        let (v, w) = (ap.perp(&ac) / area, ab.perp(&ap) / area);
+        let [a, b, c] = face.map(|v| self.target.vertices[v].coords);
+        Point3::from(a * (1.0 - v - w) + b * v + c * w)
+    }
+}

@@ -1,0 +1,389 @@
+//! Covers a flattened target with the pattern's grid of square open cells.
+//!
+//! Where the outline has four corners and opposite sides of similar length, the grid follows the outline: its four
+//! sides lie on the four sides of the target. Otherwise a straight grid covers the outline's smallest bounding
+//! rectangle, and cells that lie outside by more than a third are left away.
+
+use super::corners::four_corners;
+use super::piece_mesh::PieceMesh;
+use crate::geometry::{Point2, Vector2};
+use std::collections::BTreeSet;
+
+/// What the user asks of the grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PieceSize {
+    /// Number of cells along the two sides of the flattening's bounding rectangle.
+    Counts([usize; 2]),
+    /// Mean side of a closed piece, millimetres.
+    Edge(f64),
+}
+
+/// Dimensions of the model cell (section 2.1), with the gap between hinge points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModelCell {
+    /// Side w of the open cell.
+    pub open: f64,
+    /// Sides of the closed cell: a = w / m1 + gap / 2 and b = w / m2 + gap / 2.
+    pub closed: [f64; 2],
+}
+
+impl ModelCell {
+    /// The model cell with open side `open`, open-state stretches `m1`, `m2` and a gap.
+    pub fn from_open(open: f64, stretches: [f64; 2], gap: f64) -> Self {
+        Self { open, closed: stretches.map(|m| open / m + gap / 2.0) }
+    }
+
+    /// The model cell whose closed sides have this mean. With 1/m1 + 1/m2 = sqrt 2 the mean is
+    /// w / sqrt 2 + gap / 2.
+    pub fn from_edge(edge: f64, stretches: [f64; 2], gap: f64) -> Self {
+        let mean_ratio = stretches.iter().map(|m| 0.5 / m).sum::<f64>();
+        Self::from_open((edge - gap / 2.0) / mean_ratio, stretches, gap)
+    }
+
+    /// Mean side of the closed cell: the asked edge length.
+    pub fn edge(&self) -> f64 {
+        0.5 * (self.closed[0] + self.closed[1])
+    }
+}
+
+/// A grid laid over a flattened target.
+#[derive(Debug, Clone)]
+pub struct Cover {
+    /// Which cells there are and how they connect.
+    pub mesh: PieceMesh,
+    /// Grid position (column, row) of each corner.
+    pub positions: Vec<[i32; 2]>,
+    /// Each corner in the plane of the flattening.
+    pub corners: Vec<Point2>,
+    /// Each piece's centre in the plane of the flattening.
+    pub centres: Vec<Point2>,
+    /// Dimensions of a cell.
+    pub cell: ModelCell,
+    /// Whether the grid's four sides follow the outline's four sides.
+    pub follows_outline: bool,
+}
+
+/// Why no grid can be laid.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum CoverError {
+    /// Too few pieces.
+    #[error("the pattern would have {pieces} pieces; at least 2 x 2 must fit on the target: ask for more or smaller pieces")]
+    TooFew {
+        /// Pieces that fit.
+        pieces: usize,
+    },
+    /// Too many pieces.
+    #[error("the pattern would have about {pieces:.0} pieces, more than {limit}: ask for larger pieces")]
+    TooMany {
+        /// Pieces asked for.
+        pieces: f64,
+        /// Most that are accepted.
+        limit: usize,
+    },
+    /// The gap eats the piece.
+    #[error("pieces with sides of {edge:.3} mm are too small for hinges that stand {gap:.3} mm apart (ligament plus kerf): sides of at least {least:.3} mm are needed; ask for larger pieces or scale the target up")]
+    GapTooWide {
+        /// Mean side of a closed piece.
+        edge: f64,
+        /// Gap between the hinge points of a corner.
+        gap: f64,
+        /// Least mean side.
+        least: f64,
+    },
+}
+
+/// Most pieces that are accepted.
+pub const MOST_PIECES: usize = 1_000_000;
+
+/// A piece side must be at least this many gaps long: the hinge polygon then keeps three quarters of its side.
+const LEAST_SIDE_IN_GAPS: f64 = 4.0;
+
+/// Lays the grid. `outline` is the flattened boundary, counter-clockwise; `first` the direction in the plane that
+/// the grid's first axis should come nearest to.
+///
+/// # Errors
+/// [`CoverError`] where too few or too many pieces fit, or the pieces are too small for the gap.
+pub fn cover(
+    outline: &[Point2],
+    first: &Vector2,
+    size: PieceSize,
+    stretches: [f64; 2],
+    gap: f64,
+) -> Result<Cover, CoverError> {
+    let frame = Frame::smallest_rectangle(outline, first);
+    let open = match size {
+        PieceSize::Counts([nx, ny]) => (frame.size.x / nx as f64).max(frame.size.y / ny as f64),
+        PieceSize::Edge(edge) => ModelCell::from_edge(edge, stretches, gap).open,
+    };
+    let cell = ModelCell::from_open(open, stretches, gap);
+    let least = LEAST_SIDE_IN_GAPS * gap;
+    if open <= 0.0 || cell.closed.iter().any(|&side| side < least) {
+        return Err(CoverError::GapTooWide { edge: cell.edge(), gap, least });
+    }
+    let wanted = frame.size.x * frame.size.y / (open * open);
+    if wanted > MOST_PIECES as f64 {
+        return Err(CoverError::TooMany { pieces: wanted, limit: MOST_PIECES });
+    }
+    let cover = match four_corners(outline, &frame.axis) {
+        Some(sides) => fitted(&sides, cell),
+        None => trimmed(outline, &frame, cell),
+    };
+    let pieces = cover.mesh.pieces.len();
+    if pieces < 4 { Err(CoverError::TooFew { pieces }) } else { Ok(cover) }
+}
+
+/// The outline's smallest bounding rectangle: a frame for the grid.
+struct Frame {
+    corner: Point2,
+    axis: Vector2,
+    size: Vector2,
+}
+
+impl Frame {
+    fn smallest_rectangle(outline: &[Point2], first: &Vector2) -> Self {
+        let hull = convex_hull(outline);
+        let mut best: Option<(f64, Vector2)> = None;
+        for i in 0..hull.len() {
+            let Some(axis) = (hull[(i + 1) % hull.len()] - hull[i]).try_normalize(0.0) else { continue };
+            let (low, high) = extent(&hull, &axis);
+            let area = (high.x - low.x) * (high.y - low.y);
+            // Nearly equal rectangles are told apart by the first one found: 1e-9 is far above rounding.
+            if best.is_none_or(|(least, _)| area < least * (1.0 - 1e-9)) {
+                best = Some((area, axis));
+            }
+        }
+        let axis = best.map_or(Vector2::x(), |(_, axis)| axis);
+        let turned = |v: Vector2| Vector2::new(-v.y, v.x);
+        let candidates = [axis, turned(axis), -axis, -turned(axis)];
+        let axis = candidates.into_iter().max_by(|u, v| u.dot(first).total_cmp(&v.dot(first))).unwrap_or(axis);
+        let (low, high) = extent(&hull, &axis);
+        let corner = Point2::from(axis * low.x + turned(axis) * low.y);
+        Self { corner, axis, size: high - low }
+    }
+
+    fn point(&self, x: f64, y: f64) -> Point2 {
+        self.corner + self.axis * x + Vector2::new(-self.axis.y, self.axis.x) * y
+    }
+}
+
+fn extent(points: &[Point2], axis: &Vector2) -> (Vector2, Vector2) {
+    let across = Vector2::new(-axis.y, axis.x);
+    let start = (Vector2::repeat(f64::INFINITY), Vector2::repeat(f64::NEG_INFINITY));
+    points.iter().fold(start, |(low, high), p| {
+        let v = Vector2::new(p.coords.dot(axis), p.coords.dot(&across));
+        (low.inf(&v), high.sup(&v))
+    })
+}
+
+/// Convex hull, counter-clockwise (A. M. Andrew's monotone chain, 1979).
+fn convex_hull(points: &[Point2]) -> Vec<Point2> {
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    let chain = |order: &mut dyn Iterator<Item = &Point2>| {
+        let mut hull: Vec<Point2> = Vec::new();
+        for p in order {
+            while let [.., a, b] = hull[..] {
+                if (b - a).perp(&(p - a)) > 0.0 {
+                    break;
+                }
+                hull.pop();
+            }
+            hull.push(*p);
+        }
+        hull.pop();
+        hull
+    };
+    let mut hull = chain(&mut sorted.iter());
+    hull.extend(chain(&mut sorted.iter().rev()));
+    hull
+}
+
+/// A grid whose sides follow the four sides of the outline: a Coons patch over equal divisions of the sides.
+fn fitted(sides: &[Vec<Point2>; 4], wanted: ModelCell) -> Cover {
+    let lengths = sides.each_ref().map(|side| length(side));
+    let count = |i: usize| ((0.5 * (lengths[i] + lengths[i + 2]) / wanted.open).round() as i32).max(2);
+    let (nx, ny) = (count(0), count(1));
+    let cells: Vec<[i32; 2]> = (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j])).collect();
+    let patch = |x: f64, y: f64| {
+        let (s, t) = (x / f64::from(nx), y / f64::from(ny));
+        let bottom = along(&sides[0], s).coords;
+        let right = along(&sides[1], t).coords;
+        let top = along(&sides[2], 1.0 - s).coords;
+        let left = along(&sides[3], 1.0 - t).coords;
+        let [c00, c10, c11, c01] = sides.each_ref().map(|side| side[0].coords);
+        let bilinear = (c00 * (1.0 - s) + c10 * s) * (1.0 - t) + (c01 * (1.0 - s) + c11 * s) * t;
+        Point2::from(bottom * (1.0 - t) + top * t + left * (1.0 - s) + right * s - bilinear)
+    };
+    build(&cells, patch, wanted, true)
+}
+
+/// A straight grid over the bounding rectangle, without the cells that lie outside by more than a third.
+fn trimmed(outline: &[Point2], frame: &Frame, cell: ModelCell) -> Cover {
+    let counts = [frame.size.x, frame.size.y].map(|length| (length / cell.open - 1e-6).ceil().max(1.0) as i32);
+    let margin = [frame.size.x, frame.size.y];
+    let offset: [f64; 2] = std::array::from_fn(|i| 0.5 * (margin[i] - f64::from(counts[i]) * cell.open));
+    let at = |x: f64, y: f64| frame.point(offset[0] + x * cell.open, offset[1] + y * cell.open);
+    let mut cells = BTreeSet::new();
+    for j in 0..counts[1] {
+        for i in 0..counts[0] {
+            let inside = (0..SAMPLES * SAMPLES).filter(|k| {
+                let part = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
+                contains(outline, &at(f64::from(i) + part(k % SAMPLES), f64::from(j) + part(k / SAMPLES)))
+            });
+            if 3 * inside.count() >= 2 * SAMPLES * SAMPLES {
+                cells.insert([i, j]);
+            }
+        }
+    }
+    tidy(&mut cells);
+    build(&cells.into_iter().collect::<Vec<_>>(), at, cell, false)
+}
+
+/// Samples per side with which the share of a cell inside the outline is estimated.
+const SAMPLES: usize = 4;
+
+/// Removes cells until every cell has two neighbours, no two cells touch in a corner only, and all connect.
+fn tidy(cells: &mut BTreeSet<[i32; 2]>) {
+    loop {
+        let has = |i: i32, j: i32| cells.contains(&[i, j]);
+        let neighbours =
+            |[i, j]: [i32; 2]| [(1, 0), (0, 1), (-1, 0), (0, -1)].iter().filter(|(x, y)| has(i + x, j + y)).count();
+        let loose = cells.iter().copied().find(|&cell| neighbours(cell) < 2);
+        let pinched = cells.iter().copied().find_map(|[i, j]| {
+            let corner = |x: i32| has(i + x, j + 1) && !has(i + x, j) && !has(i, j + 1);
+            let diagonal = if corner(1) { [i + 1, j + 1] } else { [i - 1, j + 1] };
+            (corner(1) || corner(-1))
+                .then(|| if neighbours([i, j]) < neighbours(diagonal) { [i, j] } else { diagonal })
+        });
+        match loose.or(pinched) {
+            Some(cell) => cells.remove(&cell),
+            None => break,
+        };
+    }
+    let mut largest = BTreeSet::new();
+    let mut rest = cells.clone();
+    while let Some(start) = rest.pop_first() {
+        let mut part = BTreeSet::from([start]);
+        let mut open = vec![start];
+        while let Some([i, j]) = open.pop() {
+            for next in [[i + 1, j], [i, j + 1], [i - 1, j], [i, j - 1]] {
+                if rest.remove(&next) {
+                    part.insert(next);
+                    open.push(next);
+                }
+            }
+        }
+        if part.len() > largest.len() {
+            largest = part;
+        }
+    }
+    *cells = largest;
+}
+
+fn build(cells: &[[i32; 2]], at: impl Fn(f64, f64) -> Point2, cell: ModelCell, follows_outline: bool) -> Cover {
+    let (mesh, positions) = PieceMesh::from_cells(cells);
+    let corners = positions.iter().map(|&[i, j]| at(f64::from(i), f64::from(j))).collect();
+    let centres = cells.iter().map(|&[i, j]| at(f64::from(i) + 0.5, f64::from(j) + 0.5)).collect();
+    Cover { mesh, positions, corners, centres, cell, follows_outline }
+}
+
+fn length(line: &[Point2]) -> f64 {
+    line.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+}
+
+/// The point of a polyline at a fraction of its length.
+fn along(line: &[Point2], fraction: f64) -> Point2 {
+    let mut left = fraction.clamp(0.0, 1.0) * length(line);
+    for pair in line.windows(2) {
+        let step = (pair[1] - pair[0]).norm();
+        if left <= step {
+            return pair[0] + (pair[1] - pair[0]) * (left / step.max(f64::MIN_POSITIVE));
+        }
+        left -= step;
+    }
+    line[line.len() - 1]
+}
+
+/// Whether a closed polygon contains a point (even-odd rule).
+fn contains(polygon: &[Point2], p: &Point2) -> bool {
+    let mut inside = false;
+    for i in 0..polygon.len() {
+        let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, SQRT_2};
+
+    fn rectangle(width: f64, height: f64, turn: f64) -> Vec<Point2> {
+        let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
+        let per_side = 20;
+        let rotation = nalgebra::Rotation2::new(turn);
+        (0..4 * per_side)
+            .map(|k| {
+                let (side, t) = (k / per_side, (k % per_side) as f64 / per_side as f64);
+                let (p, q) = (corners[side], corners[(side + 1) % 4]);
+                rotation * Point2::new(p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_turned_rectangle_is_filled_exactly() {
+        for turn in [0.0, 0.3, -0.6] {
+            let outline = rectangle(30.0, 20.0, turn);
+            let first = Vector2::new(f64::cos(turn), f64::sin(turn));
+            let cover = cover(&outline, &first, PieceSize::Counts([15, 10]), [SQRT_2; 2], 0.0).unwrap();
+            assert!(cover.follows_outline);
+            assert_eq!(cover.mesh.pieces.len(), 150);
+            assert!((cover.cell.open - 2.0).abs() < 1e-9);
+            assert!((cover.cell.edge() - SQRT_2).abs() < 1e-9);
+            // The grid's first axis is the asked one.
+            let at = |position| cover.corners[cover.positions.iter().position(|&p| p == position).unwrap()];
+            assert!(((at([15, 0]) - at([0, 0])).normalize() - first).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_disk_is_covered_by_a_tidy_staircase() {
+        let outline: Vec<Point2> =
+            (0..200).map(|k| 2.0 * PI * k as f64 / 200.0).map(|t| Point2::new(t.cos(), t.sin()) * 10.0).collect();
+        let cover = cover(&outline, &Vector2::x(), PieceSize::Edge(1.0), [SQRT_2; 2], 0.0).unwrap();
+        assert!(!cover.follows_outline);
+        let area = cover.mesh.pieces.len() as f64 * cover.cell.open.powi(2);
+        // Border cells lie inside by two thirds or more, so a cell a side goes missing at most: perimeter / side = 44.
+        assert!((area / (100.0 * PI) - 1.0).abs() < 0.15 && area < 100.0 * PI, "{area}");
+        // One boundary, no pinch: around every border corner there is exactly one fan.
+        for (corner, fan) in cover.mesh.fans.iter().enumerate() {
+            let pieces = cover.mesh.pieces.iter().filter(|piece| piece.contains(&corner)).count();
+            assert_eq!(pieces, if fan.closed { 4 } else { fan.edges.len() - 1 });
+        }
+    }
+
+    #[test]
+    fn model_cell_inverts() {
+        for m1 in [1.2, SQRT_2, 1.8] {
+            let stretches = [m1, 1.0 / (SQRT_2 - 1.0 / m1)];
+            let cell = ModelCell::from_edge(10.0, stretches, 0.55);
+            assert!((cell.edge() - 10.0).abs() < 1e-12);
+            assert!((cell.open / (cell.closed[0] - 0.275) - m1).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_made() {
+        let outline = rectangle(30.0, 20.0, 0.0);
+        let lay = |size, gap| cover(&outline, &Vector2::x(), size, [SQRT_2; 2], gap);
+        assert!(matches!(lay(PieceSize::Edge(1.0), 0.55), Err(CoverError::GapTooWide { .. })));
+        assert!(matches!(lay(PieceSize::Edge(0.001), 0.0), Err(CoverError::TooMany { .. })));
+        let strip = rectangle(30.0, 0.5, 0.0);
+        let lone = cover(&strip, &Vector2::x(), PieceSize::Counts([1, 1]), [SQRT_2; 2], 0.0);
+        assert!(matches!(lone, Err(CoverError::TooFew { .. })));
+    }
+}
