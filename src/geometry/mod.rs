@@ -6,3 +6,5 @@ pub type Point3 = nalgebra::Point3<f64>;
 pub type Vector3 = nalgebra::Vector3<f64>;
 
 pub mod mesh;
+
+pub mod read;
