@@ -8,3 +8,7 @@ pub type Vector3 = nalgebra::Vector3<f64>;
 pub mod mesh;
 
 pub mod read;
+
+pub mod topology;
+
+mod union_find;
