@@ -11,4 +11,6 @@ pub mod read;
 
 pub mod topology;
 
+pub mod triangulate;
+
 mod union_find;
