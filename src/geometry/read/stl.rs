@@ -47,12 +47,11 @@ fn binary_size(count: u32) -> u64 {
 }
 
 /// Whether the content is the ASCII form. A header that says `solid` proves nothing, since many programs write
-/// it into binary files: these are known by their size, or by zero bytes if they are truncated.
+/// it into binary files; but these hold zero bytes, in the count alone up to 2^24 triangles, and text does not.
 fn is_ascii(bytes: &[u8]) -> bool {
-    let has_binary_size = stated_count(bytes).is_some_and(|count| binary_size(count) == bytes.len() as u64);
     let says_solid =
         bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
-    says_solid && !has_binary_size && !bytes.contains(&0)
+    says_solid && !bytes.contains(&0)
 }
 
 fn parse_binary(bytes: &[u8]) -> Result<Vec<[Point3; 3]>, InvalidMeshFile> {

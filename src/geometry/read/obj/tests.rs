@@ -56,7 +56,7 @@ fn line_ends_comments_and_continuations_are_read() {
         [vec![0, 1, 2, 3], vec![0, 1, 2]]
     );
     // A backslash within a comment does not swallow the next line.
-    assert_eq!(faces("# from C:\\meshes\\\nf 1 2 3\n"), [[0, 1, 2]]);
+    assert_eq!(faces("f 1 2 3 # from C:\\meshes\\\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(faces("f 1 2 3 \\\r\n4\r\n"), [[0, 1, 2, 3]]);
     assert_eq!(faces("f 1 2 3 \\"), [[0, 1, 2]]);
     assert_eq!(parse(b"v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3").unwrap().faces, [[0, 1, 2]]);

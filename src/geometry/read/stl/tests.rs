@@ -48,6 +48,16 @@ fn the_form_is_told_by_size_not_by_the_header() {
 }
 
 #[test]
+fn a_binary_file_may_be_valid_text() {
+    // The bytes of 0 and 2 are valid UTF-8, and so is the whole file.
+    let mut bytes = binary("solid part", &[[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]]);
+    bytes[84..96].fill(0);
+    bytes[132..].fill(0);
+    assert!(std::str::from_utf8(&bytes).is_ok());
+    assert_eq!(parse(&bytes).unwrap().faces, [[0, 1, 2]]);
+}
+
+#[test]
 fn ascii_is_read_in_any_case_with_or_without_name() {
     let mesh = parse(ascii(&SQUARE).as_bytes()).unwrap();
     for text in [
