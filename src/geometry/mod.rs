@@ -11,6 +11,12 @@ pub type Vector2 = nalgebra::Vector2<f64>;
 
 pub mod mesh;
 
+pub mod read;
+
+pub mod topology;
+
+pub mod triangulate;
+
 pub mod closest;
 
 pub mod boundary;
@@ -20,3 +26,5 @@ pub mod cotangent;
 pub mod flatten;
 
 pub mod rotation;
+
+mod union_find;
