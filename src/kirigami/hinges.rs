@@ -1,0 +1,86 @@
+//! Kinematics: the rigid motion of every piece, and the axis and angle of every hinge (section 4.1, Fig. 19).
+
+use super::design::{Design, Hinge, PatternKind, Piece, State};
+use super::piece_mesh::PieceMesh;
+use super::stage3::Pattern;
+use crate::geometry::rotation::{RigidMotion, axis_angle};
+use crate::geometry::{Point3, Vector3};
+
+/// Assembles the design of a sheet that is flat in its closed state: pieces in the pattern's order, one hinge per inner
+/// edge in the edges' order.
+pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64) -> Design {
+    let pieces: Vec<Piece> = mesh
+        .pieces
+        .iter()
+        .zip(&mesh.owned)
+        .map(|(corners, owned)| Piece {
+            corners: corners.clone(),
+            closed: owned
+                .iter()
+                .map(|&e| {
+                    let p = pattern.closed_hinge(mesh, e);
+                    Point3::new(p.x, p.y, 0.0)
+                })
+                .collect(),
+            open: owned.iter().map(|&e| pattern.open[e]).collect(),
+        })
+        .collect();
+    let motions: Vec<RigidMotion> = pieces.iter().map(|p| RigidMotion::fit(&p.closed, &p.open)).collect();
+    let hinges = (0..mesh.edges.len())
+        .filter_map(|e| {
+            let edge = &mesh.edges[e];
+            let (j, k) = (edge.piece, edge.neighbour?);
+            let vertices = [j, k].map(|piece| {
+                mesh.owned[piece].iter().position(|&owned| owned == e).expect("both pieces own their edge")
+            });
+            let (axis, angle) = relative_turn(&motions[j], &motions[k]);
+            let point = pieces[j].closed[vertices[0]];
+            Some(Hinge { pieces: [j, k], vertices, point, axis, angle })
+        })
+        .collect();
+    Design {
+        pattern: PatternKind::RotatingRectangles,
+        sheet_state: Some(State::Closed),
+        gap,
+        corners: pattern.corners.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect(),
+        pieces,
+        hinges,
+    }
+}
+
+/// Axis and angle of the rotation `A_j^-1 A_k`: seen from piece j, piece k turns by the angle about the axis, from the
+/// closed to the open state. A hinge that does not turn gets the sheet's normal as its axis.
+pub fn relative_turn(motion_j: &RigidMotion, motion_k: &RigidMotion) -> (Vector3, f64) {
+    let (axis, angle) = axis_angle(&(motion_j.rotation.transpose() * motion_k.rotation));
+    (axis.unwrap_or_else(Vector3::z), angle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Rotation3;
+
+    #[test]
+    fn piece_k_turns_about_the_axis_as_piece_j_sees_it() {
+        // Motions of j and k about a common hinge point, with k turned further about a tilted axis in j's frame.
+        let hinge = Point3::new(3.0, 1.0, 0.0);
+        let axis = Vector3::new(0.05, -0.03, 1.0).normalize();
+        let (angle, j_rotation) = (1.4, *Rotation3::from_euler_angles(0.3, 0.2, -0.7).matrix());
+        let turn = *Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(axis), angle).matrix();
+        let about = |rotation: nalgebra::Matrix3<f64>, image: Vector3| RigidMotion {
+            rotation,
+            translation: image - rotation * hinge.coords,
+        };
+        let image = Vector3::new(10.0, 2.0, 5.0);
+        let (j, k) = (about(j_rotation, image), about(j_rotation * turn, image));
+        let (found, turned) = relative_turn(&j, &k);
+        assert!((found - axis).norm() < 1e-12 && (turned - angle).abs() < 1e-12);
+        // Swapping the pieces: the same axis in the other's frame, the opposite way round.
+        let (swapped, back) = relative_turn(&k, &j);
+        assert!((swapped + axis).norm() < 1e-12 && (back - angle).abs() < 1e-12);
+        // j's view of a point of k is that point turned about the axis through the hinge.
+        let p = Point3::new(5.0, -2.0, 0.4);
+        let seen = j.inverse().apply(&k.apply(&p));
+        assert!((seen - (hinge + turn * (p - hinge))).norm() < 1e-12);
+    }
+}

@@ -27,3 +27,5 @@ pub mod hinges;
 pub mod quality;
 
 pub mod validity;
+
+pub mod filled;

@@ -1,0 +1,240 @@
+//! Measures of a design: how rigid, how flat, how near to the target, how large.
+//!
+//! Nothing here trusts the optimiser: all figures come from the coordinates of the design.
+
+use super::control_mesh::Target;
+use super::design::Design;
+use crate::geometry::closest::ClosestPoints;
+use crate::geometry::mesh::{PolyMesh, TriMesh};
+use crate::geometry::topology::disk;
+use crate::geometry::{Point3, Vector3};
+
+/// What was reached. Lengths in millimetres unless said otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quality {
+    /// Eq. (7) over all vertex pairs of each piece, for a mean edge of 1.
+    pub e_isom: f64,
+    /// Largest relative difference between a distance in the two states.
+    pub max_length_error: f64,
+    /// Largest distance of a piece's vertex from the piece's plane in either state, in mean edges.
+    pub planarity: f64,
+    /// Largest distance of a hinge point or free vertex of the open state from the target.
+    pub distance_max: f64,
+    /// Largest distance of a piece's centre from the target: what flat pieces cost on a curved surface.
+    pub sagitta_max: f64,
+    /// Largest distance of a point of the target (vertices and face centres) from the open pattern, holes filled.
+    pub coverage_max: f64,
+    /// Largest distance between the target's boundary and the pattern's, either way.
+    pub boundary_max: f64,
+    /// Diagonal of the target's bounding box.
+    pub target_diagonal: f64,
+    /// Mean distance between neighbouring corners of the closed sheet.
+    pub mean_edge: f64,
+    /// The mean edge that was asked for.
+    pub asked_edge: f64,
+    /// Area of the open pattern, holes filled, over the area of the closed sheet.
+    pub area_expansion: f64,
+    /// Largest over smallest stretch of the target's conformal flattening.
+    pub stretch_ratio: f64,
+}
+
+/// Limits that a design must keep to be made. Those in edges and cells scale with the pattern.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits {
+    /// For [`Quality::max_length_error`].
+    pub length_error: f64,
+    /// For [`Quality::planarity`], in edges.
+    pub planarity: f64,
+    /// For [`Quality::distance_max`], in mean edges.
+    pub distance_edges: f64,
+    /// For [`Quality::coverage_max`] and [`Quality::boundary_max`], in sides of an open cell (sqrt 2 edges).
+    pub boundary_cells: f64,
+    /// For the relative difference of mean and asked edge.
+    pub edge_deviation: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            length_error: 1e-8,
+            planarity: 1e-4,
+            distance_edges: 0.1,
+            boundary_cells: 1.5,
+            edge_deviation: 0.1,
+        }
+    }
+}
+
+/// A limit that a design breaks.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{what} is {value:.3e} {unit}, more than the limit of {limit:.3e} {unit}: {remedy}")]
+pub struct Shortfall {
+    /// Which figure.
+    pub what: &'static str,
+    /// What was reached.
+    pub value: f64,
+    /// What is allowed.
+    pub limit: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// What the user can do.
+    pub remedy: &'static str,
+}
+
+/// Measures a design against its target. `filled` is the open pattern with its holes filled
+/// ([`super::filled::filled_surface`]).
+pub fn measure(design: &Design, filled: &PolyMesh, target: &Target, asked_edge: f64, stretch_ratio: f64) -> Quality {
+    let mean_edge = mean_edge(design);
+    let (e_isom, max_length_error) = length_errors(design, mean_edge);
+    let vertices = design.pieces.iter().flat_map(|piece| &piece.open);
+    let centres = design.pieces.iter().map(|piece| centre(&piece.open));
+    let largest = |distances: &mut dyn Iterator<Item = f64>| distances.fold(0.0, f64::max);
+    let open = fan_triangles(filled);
+    let area_open = area(&open);
+    let closed_pieces = PolyMesh {
+        vertices: design.corners.clone(),
+        faces: design.pieces.iter().map(|piece| piece.corners.clone()).collect(),
+    };
+    let mesh = target.surface.mesh();
+    let corners = mesh.vertices.iter().copied();
+    let samples = corners.chain(mesh.faces.iter().map(|face| centre(&face.map(|v| mesh.vertices[v]))));
+    let (low, high) = bounds(&mesh.vertices);
+    Quality {
+        e_isom,
+        max_length_error,
+        planarity: planarity(design) / mean_edge,
+        distance_max: largest(&mut vertices.map(|p| target.surface.distance(p))),
+        sagitta_max: largest(&mut centres.map(|p| target.surface.distance(&p))),
+        boundary_max: boundary_distance(filled, &open, target),
+        coverage_max: {
+            let pattern = ClosestPoints::new(open);
+            largest(&mut samples.map(|p| pattern.distance(&p)))
+        },
+        target_diagonal: (high - low).norm(),
+        mean_edge,
+        asked_edge,
+        area_expansion: area_open / area(&fan_triangles(&closed_pieces)),
+        stretch_ratio,
+    }
+}
+
+impl Quality {
+    /// The limits that are broken, in order of importance.
+    pub fn shortfalls(&self, limits: &Limits) -> Vec<Shortfall> {
+        const FIT: &str = "the target asks for more stretch than the pattern has there; cut it into parts, \
+                           or use smaller pieces";
+        const RIGID: &str = "the pieces cannot be the same in both states; use smaller pieces or a less curved target";
+        let cell = std::f64::consts::SQRT_2 * self.mean_edge;
+        let rows = [
+            ("the largest relative length error", self.max_length_error, limits.length_error, "", RIGID),
+            ("the largest bending of a piece", self.planarity, limits.planarity, "edges", RIGID),
+            (
+                "the largest distance from the target",
+                self.distance_max / self.mean_edge,
+                limits.distance_edges,
+                "edges",
+                FIT,
+            ),
+            ("the largest gap in the cover", self.coverage_max / cell, limits.boundary_cells, "pieces", FIT),
+            (
+                "the largest distance between the boundaries",
+                self.boundary_max / cell,
+                limits.boundary_cells,
+                "pieces",
+                FIT,
+            ),
+            (
+                "the deviation of the mean edge from the asked one",
+                (self.mean_edge / self.asked_edge - 1.0).abs(),
+                limits.edge_deviation,
+                "",
+                FIT,
+            ),
+        ];
+        rows.into_iter()
+            // A figure that is not a number is no success.
+            .filter(|&(_, value, limit, ..)| value.is_nan() || value > limit)
+            .map(|(what, value, limit, unit, remedy)| Shortfall { what, value, limit, unit, remedy })
+            .collect()
+    }
+}
+
+fn centre(points: &[Point3]) -> Point3 {
+    Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64)
+}
+
+fn bounds(points: &[Point3]) -> (Vector3, Vector3) {
+    let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    points.iter().fold(start, |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)))
+}
+
+/// Mean distance between neighbouring corners in the sheet; an edge of two pieces counts twice.
+fn mean_edge(design: &Design) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for piece in &design.pieces {
+        for (i, &corner) in piece.corners.iter().enumerate() {
+            let next = piece.corners[(i + 1) % piece.corners.len()];
+            sum += (design.corners[next] - design.corners[corner]).norm();
+            count += 1.0;
+        }
+    }
+    sum / count
+}
+
+/// E_isom at mean edge 1, and the largest relative length error.
+fn length_errors(design: &Design, mean_edge: f64) -> (f64, f64) {
+    let (mut energy, mut worst) = (0.0, 0.0_f64);
+    for piece in &design.pieces {
+        for i in 0..piece.closed.len() {
+            for j in i + 1..piece.closed.len() {
+                let closed = (piece.closed[i] - piece.closed[j]).norm();
+                let open = (piece.open[i] - piece.open[j]).norm();
+                energy += ((closed * closed - open * open) / mean_edge.powi(2)).powi(2);
+                worst = worst.max(((closed - open) / closed).abs());
+            }
+        }
+    }
+    (energy, worst)
+}
+
+/// Largest distance of a vertex from the plane of its piece that fits best, in either state.
+fn planarity(design: &Design) -> f64 {
+    let mut worst = 0.0_f64;
+    for piece in &design.pieces {
+        for points in [&piece.closed, &piece.open] {
+            let middle = centre(points);
+            let scatter: nalgebra::Matrix3<f64> =
+                points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
+            let eigen = scatter.symmetric_eigen();
+            let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+            worst = points.iter().map(|p| (p - middle).dot(&normal).abs()).fold(worst, f64::max);
+        }
+    }
+    worst
+}
+
+/// Faces as triangle fans: fine for measuring, where faces are nearly flat and convex.
+fn fan_triangles(mesh: &PolyMesh) -> TriMesh {
+    let fan = |face: &Vec<usize>| -> Vec<[usize; 3]> {
+        (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect()
+    };
+    TriMesh { vertices: mesh.vertices.clone(), faces: mesh.faces.iter().flat_map(fan).collect() }
+}
+
+fn area(mesh: &TriMesh) -> f64 {
+    let triangle = |face: &[usize; 3]| {
+        let [a, b, c] = face.map(|v| mesh.vertices[v]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    };
+    mesh.faces.iter().map(triangle).sum()
+}
+
+/// Largest distance between the boundary of the filled pattern and the target's, measured from the vertices of each to
+/// the other's curve.
+fn boundary_distance(filled: &PolyMesh, triangles: &TriMesh, target: &Target) -> f64 {
+    let Ok(border) = disk(&filled.faces) else { return f64::NAN };
+    let curve = crate::geometry::boundary::BoundaryCurve::new(triangles, &border.boundary);
+    let from_pattern = curve.points.iter().map(|p| (target.boundary.closest(p).point - p).norm());
+    let to_pattern = target.boundary.points.iter().map(|p| (curve.closest(p).point - p).norm());
+    from_pattern.chain(to_pattern).fold(0.0, f64::max)
+}
