@@ -129,13 +129,14 @@ fn dxf_is_clean_and_in_millimetres() {
             let plotted =
                 ["SLIT", "RELIEF", "WINDOW", "BORDER", "NOTE"].map(|l| read["layers"][l]["plot"].clone());
             assert_eq!(plotted, [1, 1, 1, 1, 0].map(Value::from));
-            assert_same_paths(&read, &layout(), 1e-11); // Twelve printed decimals.
         } else {
             assert_eq!(read["version"], "AC1009");
             let kinds =
                 read["entities"].as_object().unwrap().keys().map(|key| key.split(' ').next().unwrap());
             assert!(kinds.into_iter().all(|kind| ["LINE", "ARC", "TEXT"].contains(&kind)));
         }
+        // Twelve printed decimals, of an angle in degrees about a centre 1256 mm away at the worst.
+        assert_same_paths(&read, &layout(), 1e-10);
     }
 }
 
@@ -144,6 +145,30 @@ fn r12_has_no_subclass_markers() {
     let text = String::from_utf8(dxf_bytes(&layout(), DxfVersion::R12, &[])).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert!(lines.chunks(2).all(|pair| pair.len() == 2 && pair[0].trim() != "100"));
+}
+
+#[test]
+fn bulges_stand_on_every_vertex_of_a_path_or_on_none() {
+    let text = String::from_utf8(dxf_bytes(&layout(), DxfVersion::R2000, &[])).unwrap();
+    let polylines: Vec<&str> = text.split("\r\nLWPOLYLINE\r\n").skip(1).collect();
+    assert_eq!(polylines.len(), layout().paths.len());
+    for (polyline, path) in polylines.iter().zip(&layout().paths) {
+        let entity = polyline.split("\r\n  0\r\n").next().unwrap();
+        let lines: Vec<&str> = entity.lines().collect();
+        let bulges = lines.chunks(2).filter(|pair| pair[0].trim() == "42").count();
+        let curved = path.vertices.iter().any(|v| v.bulge != 0.0);
+        assert_eq!(bulges, if curved { path.vertices.len() } else { 0 });
+    }
+}
+
+#[test]
+fn the_dxf_crate_reads_its_own_files_with_comments() {
+    for version in VERSIONS {
+        let bytes = dxf_bytes(&layout(), version, &["one".into(), "two".into()]);
+        let drawing = ::dxf::Drawing::load(&mut bytes.as_slice()).unwrap();
+        // 6 cuts of 16 segments in all, and a note.
+        assert_eq!(drawing.entities().count(), if version == DxfVersion::R2000 { 6 + 1 } else { 16 + 1 });
+    }
 }
 
 #[test]
