@@ -270,7 +270,7 @@ def run(args, report):
     lines = np.array([shapely.LineString(flatten(path, CHORD_ERROR)) for path in paths])
     check_shadows(lines, report)
     grooves = shapely.buffer(lines, kerf / 2.0, quad_segs=QUAD_SEGS)
-    if args.sheet and not shapely.box(0.0, 0.0, *args.sheet).contains(shapely.union_all(shapely.box(*shapely.bounds(grooves).T))):
+    if args.sheet and not shapely.box(0.0, 0.0, *args.sheet).covers(shapely.box(*shapely.total_bounds(grooves))):
         report.fail("sheet", f"cuts leave the sheet of {args.sheet[0]} x {args.sheet[1]} mm")
     border = check_border(paths, report)
     body = burn(paths, grooves, border, report) if border is not None else None
