@@ -1,0 +1,53 @@
+//! Programs and data outside the crate that tests measure us with: shared by the integration tests.
+//!
+//! Where one is missing a test skips itself with a line on standard error, but under `CI=true` it fails: there
+//! nothing may pass unseen.
+
+// Each test file uses its own part.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The Python interpreter with the packages of `tests/oracle/requirements.txt`, made by `tests/run`.
+pub fn python() -> Option<PathBuf> {
+    present(root().join("target/peers/bin/python"), "run tests/run, which sets it up")
+}
+
+/// A file of the shared data beside the repository, for example `shared("meshes/pillow_1.obj")`.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    present(root().join("../shared").join(path), "put the shared data beside the repository")
+}
+
+/// A program of `tests/oracle` ready to take arguments.
+pub fn oracle(program: &str) -> Option<Command> {
+    let mut command = Command::new(python()?);
+    command.arg(root().join("tests/oracle").join(program));
+    Some(command)
+}
+
+/// A fresh empty folder for one test, inside the build folder.
+pub fn fresh_folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn present(path: PathBuf, remedy: &str) -> Option<PathBuf> {
+    if path.exists() {
+        return Some(path);
+    }
+    let missing = format!("{} is missing: {remedy}", path.display());
+    if std::env::var("CI").is_ok_and(|value| value == "true") {
+        panic!("{missing}");
+    }
+    eprintln!("skipped: {missing}");
+    None
+}
