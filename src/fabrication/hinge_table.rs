@@ -1,0 +1,124 @@
+//! The hinge placement report's rows: what was measured on the layout, and a verdict per hinge.
+
+use super::ligament::MeasuredLigament;
+use crate::geometry::{Point3, Vector3};
+use crate::kirigami::design::{Design, Hinge};
+use crate::profile::Profile;
+
+/// Whether a hinge can be made as designed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// As designed.
+    Ok,
+    /// Makeable, but less exact than it should be.
+    Warn,
+    /// Do not cut this.
+    Fail,
+}
+
+/// One hinge of the report. Millimetres and radians, in the sheet's frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HingeRow {
+    /// Index into [`Design::hinges`].
+    pub id: usize,
+    /// The two pieces.
+    pub pieces: [usize; 2],
+    /// The hinge point.
+    pub point: Point3,
+    /// Unit axis.
+    pub axis: Vector3,
+    /// Angle between the axis and the sheet's normal, in 0..=pi/2.
+    pub tilt: f64,
+    /// Turning angle.
+    pub angle: f64,
+    /// Width of the ligament, measured.
+    pub width: f64,
+    /// Free length of the ligament, measured.
+    pub length: f64,
+    /// Distance of the ligament's centre from the hinge point, measured.
+    pub centre_offset: f64,
+    /// Material between the relief bar and the nearest cut that does not belong to the same corner.
+    pub nearest_cut: f64,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why, in words; empty if the verdict is ok.
+    pub reason: String,
+}
+
+/// Ligaments whose width differs from the profile's by more than this fail, millimetres.
+const WIDTH_TOLERANCE: f64 = 0.02;
+/// Largest offset of the ligament's centre, in ligament widths, that passes without a warning.
+const OFFSET_LIMIT: f64 = 0.05;
+/// Largest error of the axis at the sheet's faces, in ligament widths, that passes without a warning.
+const TILT_LIMIT: f64 = 0.1;
+/// Below this turning angle (radians) the axis is ill-conditioned: an error of a thousandth of a piece in the open
+/// state turns it by more than a degree.
+const LEAST_ANGLE: f64 = 3.0 * std::f64::consts::PI / 180.0;
+
+/// The rows of all hinges, in the design's order.
+///
+/// `design`: in sheet coordinates; `ligaments`: measured on its cuts, one per hinge.
+pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Profile) -> Vec<HingeRow> {
+    design
+        .hinges
+        .iter()
+        .zip(ligaments)
+        .enumerate()
+        .map(|(id, (hinge, ligament))| hinge_row(id, hinge, ligament, profile))
+        .collect()
+}
+
+fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Profile) -> HingeRow {
+    let mut row = HingeRow {
+        id,
+        pieces: hinge.pieces,
+        point: hinge.point,
+        axis: hinge.axis,
+        tilt: hinge.axis.xy().norm().atan2(hinge.axis.z.abs()),
+        angle: hinge.angle,
+        width: ligament.width,
+        length: ligament.length,
+        centre_offset: ligament.centre_offset,
+        nearest_cut: ligament.nearest_cut,
+        verdict: Verdict::Ok,
+        reason: String::new(),
+    };
+    let findings = findings(&row, profile);
+    row.verdict = findings.iter().map(|(verdict, _)| *verdict).max().unwrap_or(Verdict::Ok);
+    row.reason = findings.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>().join("; ");
+    row
+}
+
+/// Everything that is wrong with a hinge, worst first.
+fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
+    let width = profile.ligament.width;
+    let mut findings = Vec::new();
+    if (row.width - width).abs() > WIDTH_TOLERANCE {
+        let text = format!("ligament is {:.3} mm wide instead of {width:.3} mm", row.width);
+        findings.push((Verdict::Fail, text));
+    }
+    if row.nearest_cut < profile.laser.min_web {
+        let text = format!(
+            "only {:.3} mm to the next cut, the laser needs {:.3} mm",
+            row.nearest_cut, profile.laser.min_web
+        );
+        findings.push((Verdict::Fail, text));
+    }
+    if row.centre_offset > OFFSET_LIMIT * width {
+        let text = format!("ligament's centre is {:.3} mm from the hinge point", row.centre_offset);
+        findings.push((Verdict::Warn, text));
+    }
+    let tilt_error = 0.5 * profile.sheet.thickness * row.tilt.tan();
+    if tilt_error > TILT_LIMIT * width {
+        let text = format!(
+            "axis tilts by {:.1} degrees, {tilt_error:.3} mm at the sheet's faces",
+            row.tilt.to_degrees()
+        );
+        findings.push((Verdict::Warn, text));
+    }
+    if row.angle < LEAST_ANGLE {
+        let text = format!("axis is ill-conditioned: it turns by {:.2} degrees only", row.angle.to_degrees());
+        findings.push((Verdict::Warn, text));
+    }
+    findings
+}
