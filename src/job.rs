@@ -1,1 +1,163 @@
 //! The job file: what the user asks for.
+//!
+//! [`read_job`] reads it, loads the profile that it names, applies the job's overrides to that profile and checks
+//! everything that can be checked without the mesh. Paths are relative to the job file. What the file may hold but
+//! this version does not make (bistable patterns, surface to surface, variable opening, milling) is refused in
+//! words, not as an unknown key.
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::kirigami::design::PatternKind;
+use crate::profile::{Profile, ProfileError};
+use crate::toml_source::{TomlError, read_text};
+
+mod read;
+
+/// A checked job: paths are absolute, numbers finite and in range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Job {
+    /// The job file's folder, absolute.
+    pub folder: PathBuf,
+    /// The surfaces.
+    pub target: Target,
+    /// The cut pattern.
+    pub pattern: Pattern,
+    /// How the sheet is made.
+    pub fabrication: Fabrication,
+}
+
+/// The surfaces of the two states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// What the open sheet takes on. This version: a mesh.
+    pub open: Shape,
+    /// What the closed sheet takes on. This version: flat.
+    pub closed: Shape,
+    /// Unit of the mesh files' coordinates.
+    pub units: Units,
+    /// Largest extent of the target in millimetres after scaling; `None` leaves the mesh's own size.
+    pub size: Option<f64>,
+}
+
+/// A surface that a state takes on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Shape {
+    /// The plane.
+    Flat,
+    /// The surface in a mesh file; absolute path.
+    Mesh(PathBuf),
+}
+
+/// A unit of length of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Units {
+    /// `mm`
+    Millimetres,
+    /// `cm`
+    Centimetres,
+    /// `m`
+    Metres,
+    /// `in`
+    Inches,
+}
+
+impl Units {
+    /// Millimetres per unit.
+    pub fn millimetres(self) -> f64 {
+        match self {
+            Self::Millimetres => 1.0,
+            Self::Centimetres => 10.0,
+            Self::Metres => 1000.0,
+            Self::Inches => 25.4,
+        }
+    }
+}
+
+/// The cut pattern.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pattern {
+    /// The family.
+    pub kind: PatternKind,
+    /// How many pieces, or how large.
+    pub pieces: PieceSize,
+    /// Open-state stretches m1 and m2 along the grid's first and second direction (the paper's principal stretches,
+    /// Eq. (1)). They satisfy 1/m1 + 1/m2 = sqrt 2 exactly: what the file gives within 0.1 % is scaled onto it.
+    pub stretches: [f64; 2],
+    /// Distance between the two hinge points of an inner corner, millimetres; 0 is the paper's model.
+    pub gap: f64,
+}
+
+/// The grid's resolution.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PieceSize {
+    /// Number of pieces along the two directions of the grid that covers the target's flattening.
+    Count([usize; 2]),
+    /// Side of a piece, millimetres.
+    Side(f64),
+}
+
+/// How the sheet is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fabrication {
+    /// The profile, with the job's `sheet_mm` and `kerf_mm` in place of its own where given.
+    pub profile: Profile,
+    /// The DXF flavour.
+    pub dxf: DxfVersion,
+}
+
+/// A flavour of DXF.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DxfVersion {
+    /// AutoCAD 2000 (AC1015): LWPOLYLINE with bulges.
+    #[default]
+    R2000,
+    /// AutoCAD R12 (AC1009): LINE and ARC only, for old controllers.
+    R12,
+}
+
+/// The keys that a job file may leave out, and what then holds.
+pub const DEFAULTS: [(&str, &str); 9] = [
+    ("target.units", "\"mm\""),
+    ("target.size_mm", "the mesh's own size"),
+    ("pattern.stretches", "[1.41421356, 1.41421356]"),
+    ("pattern.gap_mm", "the profile's ligament width plus kerf"),
+    ("pattern.opening", "\"full\""),
+    ("fabrication.sheet_mm", "the profile's sheet"),
+    ("fabrication.kerf_mm", "the profile's kerf"),
+    ("fabrication.process", "\"laser\""),
+    ("fabrication.dxf", "\"r2000\""),
+];
+
+/// A job file could not be used.
+#[derive(Debug, Error)]
+pub enum JobError {
+    /// The job file cannot be read or breaks a rule.
+    #[error(transparent)]
+    Job(#[from] TomlError),
+    /// The profile that it names cannot be read or breaks a rule.
+    #[error("{file}: the profile that it names cannot be used\n{source}")]
+    Profile {
+        /// The job file.
+        file: String,
+        /// What is wrong with the profile.
+        source: ProfileError,
+    },
+}
+
+/// Reads and checks a job file, and the profile that it names.
+///
+/// # Errors
+/// An unreadable file; syntax, unknown, missing or mistyped keys; numbers out of range or in contradiction; a mesh
+/// file that does not exist; a profile that does not exist or is faulty; what this version does not make.
+pub fn read_job(path: &Path) -> Result<Job, JobError> {
+    let text = read_text(path)?;
+    let absolute =
+        std::path::absolute(path).map_err(|source| TomlError::Read { path: path.to_owned(), source })?;
+    let folder = absolute.parent().unwrap_or(Path::new("/")).to_owned();
+    read::parse(&text, &path.display().to_string(), folder)
+}
+
+#[cfg(test)]
+mod tests;

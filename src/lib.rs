@@ -17,6 +17,8 @@
 //! `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides nothing; `pipeline` and
 //! `cli` use all. No arrow goes back.
 
+pub mod toml_source;
+
 pub mod job;
 
 pub mod profile;

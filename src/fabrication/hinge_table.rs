@@ -1,6 +1,7 @@
 //! The hinge placement report's rows: what was measured on the layout, and a verdict per hinge.
 
 use super::ligament::MeasuredLigament;
+use super::mechanics::{Fatigue, StrainClass, assess};
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge};
 use crate::profile::Profile;
@@ -39,6 +40,16 @@ pub struct HingeRow {
     pub centre_offset: f64,
     /// Material between the relief bar and the nearest cut that does not belong to the same corner.
     pub nearest_cut: f64,
+    /// Nominal strain of the outer fibre at the full angle, for the profile's width and the measured length.
+    pub strain: f64,
+    /// What that strain means.
+    pub strain_class: StrainClass,
+    /// The length that the strain is computed with.
+    pub effective_length: f64,
+    /// Torque at the full angle, N mm; `None` above yield.
+    pub torque: Option<f64>,
+    /// Life under repeated turns.
+    pub fatigue: Fatigue,
     /// The verdict.
     pub verdict: Verdict,
     /// Why, in words; empty if the verdict is ok.
@@ -69,6 +80,7 @@ pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Pro
 }
 
 fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Profile) -> HingeRow {
+    let load = assess(profile, ligament.length, hinge.angle);
     let mut row = HingeRow {
         id,
         pieces: hinge.pieces,
@@ -80,6 +92,11 @@ fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Pr
         length: ligament.length,
         centre_offset: ligament.centre_offset,
         nearest_cut: ligament.nearest_cut,
+        strain: load.strain,
+        strain_class: load.class,
+        effective_length: load.effective_length,
+        torque: load.torque,
+        fatigue: load.fatigue,
         verdict: Verdict::Ok,
         reason: String::new(),
     };
@@ -93,6 +110,15 @@ fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Pr
 fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
     let width = profile.ligament.width;
     let mut findings = Vec::new();
+    // A millionth above the limit: rounding of a length that was chosen to meet it.
+    if row.strain > profile.material.strain_limit * (1.0 + 1e-6) {
+        let text = format!(
+            "strain {:.1} % is above the limit of {:.1} %",
+            100.0 * row.strain,
+            100.0 * profile.material.strain_limit
+        );
+        findings.push((Verdict::Fail, text));
+    }
     if (row.width - width).abs() > WIDTH_TOLERANCE {
         let text = format!("ligament is {:.3} mm wide instead of {width:.3} mm", row.width);
         findings.push((Verdict::Fail, text));

@@ -1,7 +1,7 @@
 //! From pieces and hinges to cuts: ligaments, slits, relief cuts, border, true outlines. Knows cuts and tools,
 //! not file formats.
 
-pub mod fabricate;
+pub mod mechanics;
 
 pub mod topology;
 
@@ -12,6 +12,8 @@ pub mod slit;
 pub mod border;
 
 pub mod cuts;
+
+pub mod layout;
 
 pub mod placement;
 
@@ -29,7 +31,7 @@ pub mod hinge_table;
 
 pub mod notes;
 
-pub mod layout;
+pub mod fabricate;
 
 pub mod error;
 

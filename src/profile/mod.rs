@@ -1,7 +1,16 @@
 //! Profiles: material, sheet, laser and ligament in one TOML file each (`profiles/*.toml`).
 //!
 //! Keys carry their unit as a suffix; inside the program lengths are millimetres, stresses megapascals (N/mm²),
-//! angles radians.
+//! angles radians. A profile file is version 1 of this layout; [`load`] finds, reads and checks it. The same files
+//! are embedded in the program, and one in the folder `profiles` of the working directory goes before an embedded
+//! one of the same name.
+
+mod load;
+mod read;
+
+pub use load::{ProfileError, load, names};
+pub use read::parse;
+pub(crate) use read::{KERF, SHEET_SIDE};
 
 /// A checked profile: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,9 +84,11 @@ pub struct Ligament {
 }
 
 impl Profile {
-    /// Distance between the two hinge points of an inner corner: ligament width plus slit width, millimetres
-    ///.
+    /// Distance between the two hinge points of an inner corner: ligament width plus slit width, millimetres.
     pub fn hinge_gap(&self) -> f64 {
         self.ligament.width + self.laser.kerf
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,281 @@
+//! The job file's keys, the range of each number with the reason, and what is refused in words.
+
+use std::f64::consts::SQRT_2;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{DxfVersion, Fabrication, Job, JobError, Pattern, PieceSize, Shape, Target, Units};
+use crate::kirigami::design::PatternKind;
+use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
+use crate::toml_source::{Limits, TomlError, TomlSource};
+
+const SIZE: Limits =
+    Limits::new(1.0, 10_000.0, "mm", "the largest extent of the target: a coin to a roof panel");
+const PIECE: Limits = Limits::new(0.5, 1000.0, "mm", "the side of a piece: a hinge needs room on it");
+const PIECES: Limits = Limits::new(
+    2.0,
+    2000.0,
+    "",
+    "a pattern needs two pieces to turn against each other; more than 2000 a side take hours",
+);
+const STRETCH: Limits =
+    Limits::new(0.8, 6.1, "", "1/m1 + 1/m2 = sqrt 2 leaves no fitting second stretch beyond that");
+const GAP: Limits = Limits::new(0.0, 100.0, "mm", "ligament width plus slit width; 0 is the paper's model");
+
+/// How far 1/m1 + 1/m2 may be from sqrt 2, relative: four typed digits fit.
+const STRETCH_TOLERANCE: f64 = 1.0e-3;
+
+const THIS_VERSION: &str =
+    "this version makes rotating rectangles, laser-cut, from a flat closed sheet to a mesh";
+
+/// Keys that the job format foresees and this version does not make.
+const NOT_BUILT: [&str; 10] = [
+    "target.cuts",
+    "pattern.control_mesh",
+    "pattern.a",
+    "pattern.b",
+    "pattern.A",
+    "pattern.B",
+    "pattern.phi_deg",
+    "fabrication.sheet_state",
+    "fabrication.copies",
+    "fabrication.machine",
+];
+
+/// Two numbers; a list, because a list that is too long fits an array of two without a word.
+type Pair<T> = Spanned<Vec<Spanned<T>>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawJob {
+    target: RawTarget,
+    pattern: Spanned<RawPattern>,
+    fabrication: RawFabrication,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawTarget {
+    open: Spanned<String>,
+    closed: Spanned<String>,
+    units: Option<Spanned<String>>,
+    size_mm: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPattern {
+    kind: Spanned<String>,
+    pieces: Option<Pair<i64>>,
+    piece_mm: Option<Spanned<f64>>,
+    stretches: Option<Pair<f64>>,
+    gap_mm: Option<Spanned<f64>>,
+    opening: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFabrication {
+    profile: Spanned<String>,
+    sheet_mm: Option<Pair<f64>>,
+    kerf_mm: Option<Spanned<f64>>,
+    process: Option<Spanned<String>>,
+    dxf: Option<Spanned<String>>,
+}
+
+/// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
+pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobError> {
+    let source = TomlSource { file, text };
+    for key in NOT_BUILT {
+        if let Some(span) = source.key_span(key) {
+            return Err(source.error(span, format!("{key} is not supported"), THIS_VERSION).into());
+        }
+    }
+    let raw: RawJob = source.parse()?;
+    let target = target(&source, &raw.target, &folder)?;
+    let kind = kind(&source, raw.pattern.get_ref())?;
+    let pieces = pieces(&source, &raw.pattern)?;
+    let stretches = stretches(&source, raw.pattern.get_ref().stretches.as_ref())?;
+    let gap = source.optional(raw.pattern.get_ref().gap_mm.as_ref(), &GAP)?;
+    let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
+    let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
+    Ok(Job { folder, target, pattern: Pattern { kind, pieces, stretches, gap }, fabrication })
+}
+
+fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target, TomlError> {
+    if raw.closed.get_ref() != "flat" {
+        return Err(not_built(source, &raw.closed, "\"flat\""));
+    }
+    if ["flat", "free"].contains(&raw.open.get_ref().as_str()) {
+        return Err(not_built(source, &raw.open, "the path of a mesh file"));
+    }
+    let units = choice(
+        source,
+        raw.units.as_ref(),
+        &[
+            ("mm", Units::Millimetres),
+            ("cm", Units::Centimetres),
+            ("m", Units::Metres),
+            ("in", Units::Inches),
+        ],
+    )?;
+    Ok(Target {
+        open: Shape::Mesh(mesh_path(source, &raw.open, folder)?),
+        closed: Shape::Flat,
+        units: units.unwrap_or(Units::Millimetres),
+        size: source.optional(raw.size_mm.as_ref(), &SIZE)?,
+    })
+}
+
+/// The absolute path of a mesh file that exists.
+fn mesh_path(source: &TomlSource, value: &Spanned<String>, folder: &Path) -> Result<PathBuf, TomlError> {
+    let path = folder.join(value.get_ref());
+    let found = std::fs::metadata(&path);
+    let what = match &found {
+        Ok(found) if found.is_dir() => "a directory; allowed is a mesh file".to_owned(),
+        Ok(_) => return Ok(path),
+        Err(error) => format!("not readable as a mesh file: {error}"),
+    };
+    Err(source.value_error(
+        value.span(),
+        &what,
+        format!("looked at {}; paths are relative to the job file", path.display()),
+    ))
+}
+
+fn kind(source: &TomlSource, raw: &RawPattern) -> Result<PatternKind, TomlError> {
+    if let Some(opening) = raw.opening.as_ref().filter(|opening| opening.get_ref() != "full") {
+        return Err(not_built(source, opening, "\"full\""));
+    }
+    match raw.kind.get_ref().as_str() {
+        "rotating-rectangles" => Ok(PatternKind::RotatingRectangles),
+        _ => Err(not_built(source, &raw.kind, "\"rotating-rectangles\"")),
+    }
+}
+
+fn pieces(source: &TomlSource, raw: &Spanned<RawPattern>) -> Result<PieceSize, TomlError> {
+    let help = "pieces = [30, 30] counts them, piece_mm = 10.0 gives their side";
+    match (&raw.get_ref().pieces, &raw.get_ref().piece_mm) {
+        (Some(_), Some(side)) => Err(source.error(side.span(), "pattern has both pieces and piece_mm", help)),
+        (None, None) => Err(source.error(raw.span(), "pattern has neither pieces nor piece_mm", help)),
+        (None, Some(side)) => Ok(PieceSize::Side(source.number(side, &PIECE)?)),
+        (Some(counts), None) => {
+            let [x, y] = pair(source, counts)?;
+            Ok(PieceSize::Count([count(source, x)?, count(source, y)?]))
+        }
+    }
+}
+
+fn pair<'a, T>(source: &TomlSource, value: &'a Pair<T>) -> Result<[&'a Spanned<T>; 2], TomlError> {
+    if let [first, second] = value.get_ref().as_slice() {
+        return Ok([first, second]);
+    }
+    let values = match value.get_ref().len() {
+        1 => "1 value".to_owned(),
+        number => format!("{number} values"),
+    };
+    Err(source.value_error(
+        value.span(),
+        &format!("{values}: allowed are two"),
+        "one for each direction of the sheet",
+    ))
+}
+
+fn count(source: &TomlSource, value: &Spanned<i64>) -> Result<usize, TomlError> {
+    // Beyond 2^53 the conversion rounds, far outside of the limits.
+    let number = source.number(&Spanned::new(value.span(), *value.get_ref() as f64), &PIECES)?;
+    Ok(number as usize)
+}
+
+/// The stretches, scaled onto 1/m1 + 1/m2 = sqrt 2; equal ones by default.
+fn stretches(source: &TomlSource, value: Option<&Pair<f64>>) -> Result<[f64; 2], TomlError> {
+    let Some(value) = value else { return Ok([SQRT_2, SQRT_2]) };
+    let [first, second] = pair(source, value)?;
+    let [m1, m2] = [source.number(first, &STRETCH)?, source.number(second, &STRETCH)?];
+    let scale = (1.0 / m1 + 1.0 / m2) / SQRT_2;
+    if (scale - 1.0).abs() <= STRETCH_TOLERANCE {
+        return Ok([m1 * scale, m2 * scale]);
+    }
+    let what = format!(
+        "no pair that rotating rectangles can reach: 1/m1 + 1/m2 = {:.4}, allowed is sqrt 2 = 1.4142 within 0.1 %",
+        scale * SQRT_2
+    );
+    let fitting = (1.0 / (SQRT_2 - 1.0 / m1)).clamp(*STRETCH.range.start(), *STRETCH.range.end());
+    Err(source.value_error(second.span(), &what, format!("with m1 = {m1} take m2 = {fitting:.4}")))
+}
+
+fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Result<Fabrication, JobError> {
+    if let Some(process) = raw.process.as_ref().filter(|process| process.get_ref() != "laser") {
+        return Err(not_built(source, process, "\"laser\"").into());
+    }
+    let dxf = choice(source, raw.dxf.as_ref(), &[("r2000", DxfVersion::R2000), ("r12", DxfVersion::R12)])?;
+    let mut profile = load_profile(source, &raw.profile, folder)?;
+    override_kerf(source, raw, &mut profile)?;
+    override_sheet(source, raw, &mut profile)?;
+    Ok(Fabrication { profile, dxf: dxf.unwrap_or_default() })
+}
+
+fn load_profile(source: &TomlSource, name: &Spanned<String>, folder: &Path) -> Result<Profile, JobError> {
+    profile::load(name.get_ref(), folder).map_err(|error| match error {
+        ProfileError::UnknownName { known, .. } => {
+            let help = format!("there are {}; or give the path of a TOML file", known.join(", "));
+            source.value_error(name.span(), "not the name of a profile", help).into()
+        }
+        ProfileError::Toml(TomlError::Read { path, source: reason }) => {
+            let what = format!("not readable as a profile: {reason}");
+            let help = format!("looked at {}; paths are relative to the job file", path.display());
+            source.value_error(name.span(), &what, help).into()
+        }
+        faulty => JobError::Profile { file: source.file.to_owned(), source: faulty },
+    })
+}
+
+fn override_kerf(source: &TomlSource, raw: &RawFabrication, profile: &mut Profile) -> Result<(), TomlError> {
+    let Some(value) = &raw.kerf_mm else { return Ok(()) };
+    profile.laser.kerf = source.number(value, &KERF)?;
+    if profile.laser.kerf > profile.laser.min_web {
+        let what =
+            format!("too large: allowed is at most the profile's min_web_mm = {}", profile.laser.min_web);
+        return Err(source.value_error(
+            value.span(),
+            &what,
+            "a web narrower than the groove beside it burns away",
+        ));
+    }
+    Ok(())
+}
+
+fn override_sheet(source: &TomlSource, raw: &RawFabrication, profile: &mut Profile) -> Result<(), TomlError> {
+    let Some(value) = &raw.sheet_mm else { return Ok(()) };
+    let [width, height] = pair(source, value)?;
+    for side in [width, height] {
+        let margins = 2.0 * profile.sheet.margin;
+        if source.number(side, &SHEET_SIDE)? <= margins {
+            let what = format!("too small: allowed is more than the profile's two margins, {margins} mm");
+            return Err(source.value_error(side.span(), &what, "the margins leave nothing to cut"));
+        }
+    }
+    [profile.sheet.width, profile.sheet.height] = [*width.get_ref(), *height.get_ref()];
+    Ok(())
+}
+
+/// The error for a value that this version does not make.
+fn not_built(source: &TomlSource, value: &Spanned<String>, allowed: &str) -> TomlError {
+    source.value_error(value.span(), &format!("not supported: allowed is {allowed}"), THIS_VERSION)
+}
+
+/// The meaning of one of a few words.
+fn choice<T: Copy>(
+    source: &TomlSource,
+    value: Option<&Spanned<String>>,
+    words: &[(&str, T)],
+) -> Result<Option<T>, TomlError> {
+    let Some(value) = value else { return Ok(None) };
+    if let Some((_, meaning)) = words.iter().find(|(word, _)| word == value.get_ref()) {
+        return Ok(Some(*meaning));
+    }
+    let allowed: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+    Err(source.value_error(value.span(), &format!("not known: allowed is {}", allowed.join(", ")), ""))
+}

@@ -1,0 +1,251 @@
+use std::f64::consts::SQRT_2;
+
+use super::*;
+use crate::toml_source::{Diagnostic, corruption};
+
+const JOB: &str = r#"[target]
+open = "roof.obj"
+closed = "flat"
+units = "cm"
+size_mm = 300.0
+
+[pattern]
+kind = "rotating-rectangles"
+pieces = [30, 20]
+stretches = [1.3, 1.5505]
+gap_mm = 0.0
+opening = "full"
+
+[fabrication]
+profile = "steel-304-0.5mm"
+sheet_mm = [600, 800.5]
+kerf_mm = 0.06
+process = "laser"
+dxf = "r12"
+"#;
+
+/// A folder with a mesh file and a job file in it, gone at the end of the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("kirimorph-job-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(path.join("meshes")).unwrap();
+        std::fs::write(path.join("roof.obj"), "v 0 0 0\n").unwrap();
+        Self(path)
+    }
+
+    fn read(&self, text: &str) -> Result<Job, JobError> {
+        read::parse(text, "roof.toml", self.0.clone())
+    }
+
+    fn diagnostic(&self, text: &str) -> Diagnostic {
+        match self.read(text) {
+            Err(JobError::Job(TomlError::Invalid(diagnostic))) => *diagnostic,
+            other => panic!("{other:?} for\n{text}"),
+        }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // A folder that stays behind in the temporary directory harms nobody.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The job with one line replaced; the key is unique among the tables. An empty line removes the key.
+fn with(key: &str, line: &str) -> String {
+    let is_it = |text: &str| text.split('=').next().unwrap().trim() == key;
+    assert_eq!(JOB.lines().filter(|text| is_it(text)).count(), 1, "{key}");
+    JOB.lines().map(|text| if is_it(text) { line } else { text }).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_job_that_says_everything() {
+    let folder = Folder::new("all");
+    std::fs::write(folder.0.join("roof.toml"), JOB).unwrap();
+    let job = read_job(&folder.0.join("roof.toml")).unwrap();
+    assert_eq!(job.folder, folder.0);
+    assert_eq!(job.target.open, Shape::Mesh(folder.0.join("roof.obj")));
+    assert_eq!(job.target.closed, Shape::Flat);
+    assert_eq!((job.target.units.millimetres(), job.target.size), (10.0, Some(300.0)));
+    assert_eq!(job.pattern.kind, PatternKind::RotatingRectangles);
+    assert_eq!(job.pattern.pieces, PieceSize::Count([30, 20]));
+    assert_eq!(job.pattern.gap, 0.0);
+    assert_eq!(job.fabrication.dxf, DxfVersion::R12);
+    let profile = &job.fabrication.profile;
+    assert_eq!([profile.sheet.width, profile.sheet.height, profile.laser.kerf], [600.0, 800.5, 0.06]);
+}
+
+#[test]
+fn keys_left_out_have_their_documented_defaults() {
+    let folder = Folder::new("defaults");
+    let mut shortest = JOB.to_owned();
+    for (key, _) in DEFAULTS {
+        let name = key.rsplit('.').next().unwrap();
+        folder.read(&with(name, "")).unwrap_or_else(|error| panic!("{key}: {error}"));
+        shortest = shortest.lines().filter(|line| !line.starts_with(name)).collect::<Vec<_>>().join("\n");
+    }
+    let job = folder.read(&shortest).unwrap();
+    assert_eq!((job.target.units, job.target.size), (Units::Millimetres, None));
+    assert_eq!(job.pattern.stretches, [SQRT_2, SQRT_2]);
+    let profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
+    assert_eq!(job.pattern.gap, profile.hinge_gap());
+    assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000 });
+    // No other key may be left out; pieces has piece_mm in its place.
+    for key in ["open", "closed", "kind", "profile", "pieces"] {
+        let found = folder.diagnostic(&with(key, ""));
+        assert!(found.message.contains(key), "{found}");
+    }
+}
+
+#[test]
+fn the_gap_follows_the_kerf_of_the_job() {
+    let folder = Folder::new("gap");
+    let job = folder.read(&with("gap_mm", "")).unwrap();
+    // Ligament 0.5 plus kerf 0.06; one rounding.
+    assert!((job.pattern.gap - 0.56).abs() < 1e-15);
+}
+
+#[test]
+fn stretches_are_scaled_onto_the_condition_of_the_pattern() {
+    let folder = Folder::new("stretch");
+    for given in [[1.3, 1.5505], [1.4145, 1.4145], [1.4135, 1.4145], [0.8, 6.088]] {
+        let job = folder.read(&with("stretches", &format!("stretches = {given:?}"))).unwrap();
+        let [m1, m2] = job.pattern.stretches;
+        // Two roundings each.
+        assert!((1.0 / m1 + 1.0 / m2 - SQRT_2).abs() < 1e-15);
+        // The ratio, which sets the sides of the rectangle, stays; the size moves by the tolerance at most.
+        assert!((m1 / m2 - given[0] / given[1]).abs() < 1e-14);
+        assert!((m1 / given[0] - 1.0).abs() <= 1e-3);
+    }
+}
+
+#[test]
+fn stretches_that_do_not_fit_get_the_one_that_does() {
+    let folder = Folder::new("unfit");
+    let found = folder.diagnostic(&with("stretches", "stretches = [1.3, 1.3]"));
+    assert_eq!((found.line, found.column, found.key.as_str()), (10, 19, "pattern.stretches"));
+    assert!(found.message.contains("1.5385"), "{found}");
+    // 1 / (1.41421356 - 0.76923077) = 1 / 0.64498279 = 1.550429.
+    assert_eq!(found.help, "with m1 = 1.3 take m2 = 1.5504");
+    // 0.2 % off the condition is refused, 0.05 % is not: d(sum)/sum = (1/m2)/sqrt 2 * dm2/m2, 0.456 here.
+    assert!(folder.read(&with("stretches", "stretches = [1.3, 1.5573]")).is_err());
+    assert!(folder.read(&with("stretches", "stretches = [1.3, 1.5522]")).is_ok());
+}
+
+#[test]
+fn what_is_not_built_is_refused_in_words() {
+    let folder = Folder::new("words");
+    let lines = [
+        ("open", "open = \"flat\"", "target.open"),
+        ("open", "open = \"free\"", "target.open"),
+        ("closed", "closed = \"roof.obj\"", "target.closed"),
+        ("kind", "kind = \"bistable\"", "pattern.kind"),
+        ("opening", "opening = \"variable\"", "pattern.opening"),
+        ("process", "process = \"milling\"", "fabrication.process"),
+        ("kind", "phi_deg = 18", "pattern.phi_deg"),
+        ("kind", "A = 1.0", "pattern.A"),
+        ("units", "cuts = \"cuts.obj\"", "target.cuts"),
+        ("opening", "control_mesh = \"quads.obj\"", "pattern.control_mesh"),
+        ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),
+        ("dxf", "copies = 2", "fabrication.copies"),
+    ];
+    for (key, line, named) in lines {
+        let found = folder.diagnostic(&with(key, line));
+        assert_eq!(found.key, named);
+        assert!(found.message.contains("not supported"), "{found}");
+        assert!(found.help.contains("rotating rectangles, laser-cut, from a flat closed sheet to a mesh"));
+        assert!(found.to_string().contains('^'));
+    }
+}
+
+#[test]
+fn faulty_values_are_named_with_place_and_range() {
+    let folder = Folder::new("faulty");
+    let faults = [
+        ("size_mm", "size_mm = 0.5", "1 to 10000 mm"),
+        ("size_mm", "size_mm = nan", "not a finite number"),
+        ("size_mm", "size_mm = \"big\"", "expected f64"),
+        ("units", "units = \"ft\"", "\"mm\", \"cm\", \"m\", \"in\""),
+        ("pieces", "pieces = [1, 20]", "2 to 2000"),
+        ("pieces", "pieces = [30, 2001]", "2 to 2000"),
+        ("pieces", "pieces = [-30, 20]", "2 to 2000"),
+        ("pieces", "pieces = [30.0, 20]", "invalid type"),
+        ("pieces", "pieces = [30]", "1 value: allowed are two"),
+        ("pieces", "pieces = [30, 20, 10]", "3 values: allowed are two"),
+        ("stretches", "stretches = []", "0 values: allowed are two"),
+        ("sheet_mm", "sheet_mm = [600, 600, 0.5]", "3 values: allowed are two"),
+        ("pieces", "piece_mm = inf", "0.5 to 1000 mm"),
+        ("opening", "piece_mm = 10", "both pieces and piece_mm"),
+        ("stretches", "stretches = [0.7, 1.4]", "0.8 to 6.1"),
+        ("stretches", "stretches = [1.4, nan]", "0.8 to 6.1"),
+        ("gap_mm", "gap_mm = -0.1", "0 to 100 mm"),
+        ("kerf_mm", "kerf_mm = 3", "0.005 to 2 mm"),
+        ("kerf_mm", "kerf_mm = 0.4", "min_web_mm = 0.35"),
+        ("sheet_mm", "sheet_mm = [600, 1e300]", "50 to 10000 mm"),
+        ("dxf", "dxf = \"r14\"", "\"r2000\", \"r12\""),
+        ("dxf", "dfx = \"r12\"", "unknown key `dfx`"),
+        ("profile", "profile = \"brass\"", "not the name of a profile"),
+        ("profile", "profile = \"brass.toml\"", "not readable as a profile"),
+        ("open", "open = \"rof.obj\"", "not readable as a mesh file"),
+        ("open", "open = \"meshes\"", "a directory"),
+        ("open", "open = \"\"", "a directory"),
+    ];
+    for (key, line, what) in faults {
+        let found = folder.diagnostic(&with(key, line));
+        let place = 1 + JOB.lines().position(|text| text.starts_with(key)).unwrap();
+        assert_eq!(found.line, place, "{found}");
+        assert!(found.message.contains(what), "{found}");
+        assert!(found.to_string().contains(&format!("--> roof.toml:{place}:{}\n", found.column)));
+    }
+    assert!(folder.diagnostic(&with("profile", "profile = \"brass\"")).help.contains("steel-304-0.5mm"));
+}
+
+#[test]
+fn each_key_refuses_impossible_values_by_name() {
+    let folder = Folder::new("each");
+    let mut tried = 0;
+    for line in JOB.lines().chain(["piece_mm = 10"]).filter(|line| line.contains('=')) {
+        let key = line.split(' ').next().unwrap();
+        for value in ["nan", "inf", "-1", "1e300", "[]", "[nan, nan]", "{}"] {
+            let place = if key == "piece_mm" { "pieces" } else { key };
+            let found = folder.diagnostic(&with(place, &format!("{key} = {value}")));
+            assert!(found.key.ends_with(&format!(".{key}")), "{value}: {found}");
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 7 * 15);
+}
+
+#[test]
+fn the_caret_stands_under_the_second_number_of_a_pair() {
+    let folder = Folder::new("caret");
+    let expected = "\
+pattern.pieces = 2001 is out of range: allowed is 2 to 2000
+ --> roof.toml:9:15
+  |
+9 | pieces = [30, 2001]
+  |               ^^^^
+  |";
+    let text = folder.diagnostic(&with("pieces", "pieces = [30, 2001]")).to_string();
+    assert!(text.starts_with(expected), "{text}");
+}
+
+#[test]
+fn a_faulty_profile_file_keeps_its_own_place() {
+    let folder = Folder::new("profile");
+    std::fs::write(folder.0.join("mine.toml"), "version = 1\nprocess = 3\n").unwrap();
+    let error = folder.read(&with("profile", "profile = \"mine.toml\"")).unwrap_err();
+    let text = error.to_string();
+    assert!(text.starts_with("roof.toml: the profile that it names"), "{text}");
+    assert!(text.contains("mine.toml:2:11"), "{text}");
+}
+
+#[test]
+fn random_corruption_never_panics() {
+    let folder = Folder::new("random");
+    let refused = (0..3000).filter(|&seed| folder.read(&corruption::corrupt(JOB, seed)).is_err()).count();
+    assert!(refused > 2000, "{refused}");
+}
