@@ -3,6 +3,8 @@
 
 use thiserror::Error;
 
+use super::mechanics::LengthError;
+
 /// Why no cut layout was made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FabricationError {
@@ -30,6 +32,18 @@ pub enum FabricationError {
         hinge: usize,
         /// What is wrong with it.
         reason: String,
+    },
+    /// No ligament of the profile suits a hinge's angle.
+    #[error("hinge {hinge} at ({x:.2}, {y:.2}) mm: {source}")]
+    Length {
+        /// The hinge.
+        hinge: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// What it would need.
+        source: LengthError,
     },
     /// `lengths` does not fit the design or the tool.
     #[error("ligament length of hinge {hinge}: {value} mm, but it must be finite and more than {limit} mm")]

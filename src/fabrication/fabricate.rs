@@ -7,6 +7,7 @@ use super::frame::corner_frames;
 use super::hinge_table::{HingeRow, hinge_rows};
 use super::layout::CutLayout;
 use super::ligament::measure_ligaments;
+use super::mechanics::required_length;
 use super::notes::notes;
 use super::order::in_cutting_order;
 use super::outline::{Contour, piece_outlines};
@@ -14,7 +15,7 @@ use super::placement::place_on_sheet;
 use super::slit::Plan;
 use super::topology::topology;
 use super::web::{CutIndex, check_webs};
-use crate::kirigami::design::Design;
+use crate::kirigami::design::{Design, Hinge};
 use crate::profile::Profile;
 
 /// A checked sheet, ready to be written.
@@ -28,6 +29,19 @@ pub struct Fabrication {
     pub hinges: Vec<HingeRow>,
     /// True outline of every piece in the sheet state, counter-clockwise, millimetres, without the ligaments.
     pub outlines: Vec<Contour>,
+}
+
+/// The free ligament length that each hinge's own angle needs, millimetres, in the order of [`Design::hinges`].
+///
+/// # Errors
+/// A hinge that turns further than the profile's longest ligament allows.
+pub fn ligament_lengths(design: &Design, profile: &Profile) -> Result<Vec<f64>, FabricationError> {
+    let length = |(id, hinge): (usize, &Hinge)| {
+        let at = hinge.point;
+        let error = |source| FabricationError::Length { hinge: id, x: at.x, y: at.y, source };
+        required_length(profile, hinge.angle).map_err(error)
+    };
+    design.hinges.iter().enumerate().map(length).collect()
 }
 
 /// Lays out a design for the laser and checks the result.

@@ -38,7 +38,10 @@ pub fn place_on_sheet(
     let [room_x, room_y] = [sheet.width, sheet.height].map(|size| size - 2.0 * sheet.margin);
     // A nanometre of rounding may make a part that just fits seem too large.
     if part.width() > room_x + 1e-6 || part.height() > room_y + 1e-6 {
-        let scale = (room_x / part.width()).min(room_y / part.height()).max(0.0);
+        // Ligament and kerf around the pieces keep their size when the design is scaled.
+        let rim = profile.hinge_gap() + profile.laser.kerf;
+        let scale_in = |room: f64, size: f64| (room - rim).max(0.0) / (size - rim);
+        let scale = scale_in(room_x, part.width()).min(scale_in(room_y, part.height()));
         return Err(FabricationError::TooLarge {
             width: part.width(),
             height: part.height(),
