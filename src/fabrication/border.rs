@@ -54,9 +54,9 @@ pub fn exit_point(plan: &Plan<'_>, corner: usize) -> Option<Point> {
             {
                 return Some(point);
             }
-            let outward = (line_in.outward() + line_out.outward()).normalize();
+            let outward = line_in.outward() + line_out.outward();
             // A slit may run out askew; beyond 60 degrees the design is broken, and the web check finds it.
-            let slope = frame.tangent.dot(outward).max(0.5);
+            let slope = (0.5 * frame.tangent.dot(outward)).max(0.5);
             Some(frame.middle + 0.5 * plan.gap / slope * frame.tangent)
         }
         CornerKind::Concave { in_line_leaves, .. } => {
@@ -110,8 +110,11 @@ fn free_corner(plan: &Plan<'_>, middle: Point, line_in: Line, line_out: Line) ->
             PathVertex { point: middle + radius * line_out.outward(), bulge: 0.0 },
         ];
     }
-    let averaged = middle + radius * (line_in.outward() + line_out.outward()).normalize();
     let concave = (angle < -SHARP_TURN).then(|| line_in.intersect(line_out)).flatten();
+    let outward = line_in.outward() + line_out.outward();
+    // Antiparallel sides have no mean direction; the arriving one's will do.
+    let outward = if outward.hypot() > 0.1 { outward.normalize() } else { line_in.outward() };
+    let averaged = middle + radius * outward;
     vec![PathVertex { point: concave.unwrap_or(averaged), bulge: 0.0 }]
 }
 

@@ -51,8 +51,9 @@ pub struct Touch {
 /// Builds all cuts.
 ///
 /// # Errors
-/// Several outer borders.
+/// A side shorter than twice the gap, or several outer borders.
 pub fn cut_set(plan: &Plan<'_>) -> Result<CutSet, FabricationError> {
+    check_sides(plan)?;
     let slits = slits(plan);
     let reliefs = reliefs(plan);
     let loops = loops(plan)?;
@@ -68,6 +69,19 @@ pub fn cut_set(plan: &Plan<'_>) -> Result<CutSet, FabricationError> {
         }
     }
     Ok(CutSet { paths, hinges, touches, slits })
+}
+
+/// With every side longer than the hinge points' shifts at its ends all directions are well defined.
+fn check_sides(plan: &Plan<'_>) -> Result<(), FabricationError> {
+    let limit = 2.0 * plan.gap;
+    for edge in &plan.topology.edges {
+        let [from, to] = edge.ends.map(|corner| plan.frames[corner].middle);
+        let (length, Point { x, y }) = (from.distance(to), from.midpoint(to));
+        if length <= limit {
+            return Err(FabricationError::ShortEdge { corners: edge.ends, x, y, length, limit });
+        }
+    }
+    Ok(())
 }
 
 /// The box of all paths' centre lines.

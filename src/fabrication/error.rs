@@ -88,6 +88,23 @@ pub enum FabricationError {
         /// What is wrong, and the remedy.
         reason: String,
     },
+    /// A side too short to hold a ligament.
+    #[error(
+        "the side between corners {corners:?} at ({x:.2}, {y:.2}) mm is {length:.3} mm long, but ligaments need \
+         more than {limit:.3} mm: take larger pieces or trim the pattern otherwise"
+    )]
+    ShortEdge {
+        /// The side's end corners.
+        corners: [usize; 2],
+        /// Its midpoint.
+        x: f64,
+        /// Its midpoint.
+        y: f64,
+        /// Its length.
+        length: f64,
+        /// Lower limit: a ligament and kerf at either end.
+        limit: f64,
+    },
     /// The sheet consists of several parts.
     #[error(
         "the pieces form {count} separate parts, but one sheet must be connected: trim the pattern to one part"

@@ -148,3 +148,64 @@ fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
     }
     findings
 }
+
+#[cfg(test)]
+mod tests {
+    use kurbo::Point;
+
+    use super::*;
+    use crate::fabrication::test_sheet::profile;
+
+    const GOOD: MeasuredLigament = MeasuredLigament {
+        width: 0.5,
+        length: 1.0,
+        centre: Point::ORIGIN,
+        centre_offset: 0.0,
+        nearest_cut: 2.0,
+        bar: [Point::new(-0.475, 0.275), Point::new(0.475, 0.275)],
+    };
+
+    fn row(ligament: MeasuredLigament, tilt: f64, angle: f64) -> HingeRow {
+        let axis = Vector3::new(0.0, -tilt.sin(), -tilt.cos());
+        let hinge = Hinge { pieces: [3, 7], vertices: [0, 1], point: Point3::origin(), axis, angle };
+        hinge_row(5, &hinge, &ligament, &profile())
+    }
+
+    #[test]
+    fn a_good_hinge_is_ok() {
+        let row = row(GOOD, 0.05, 1.5);
+        assert_eq!((row.verdict, row.reason.as_str(), row.id, row.pieces), (Verdict::Ok, "", 5, [3, 7]));
+        // The axis points down: its tilt is that of the line. Rounding of one arc tangent.
+        assert!((row.tilt - 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn each_fault_has_its_verdict_and_reason() {
+        let faults = [
+            (row(MeasuredLigament { width: 0.521, ..GOOD }, 0.0, 1.5), Verdict::Fail, "0.521 mm wide"),
+            (row(MeasuredLigament { width: 0.479, ..GOOD }, 0.0, 1.5), Verdict::Fail, "0.479 mm wide"),
+            (
+                row(MeasuredLigament { nearest_cut: 0.3, ..GOOD }, 0.0, 1.5),
+                Verdict::Fail,
+                "0.300 mm to the next",
+            ),
+            // 0.5 x 1.7 / (2 x 1.0) = 42.5 %.
+            (row(GOOD, 0.0, 1.7), Verdict::Fail, "strain 42.5 % is above the limit of 40.0 %"),
+            (
+                row(MeasuredLigament { centre_offset: 0.026, ..GOOD }, 0.0, 1.5),
+                Verdict::Warn,
+                "0.026 mm from",
+            ),
+            // 0.25 tan 12 degrees = 0.053 mm, a tenth of the width is 0.05 mm.
+            (row(GOOD, 12_f64.to_radians(), 1.5), Verdict::Warn, "axis tilts by 12.0 degrees, 0.053 mm"),
+            (row(GOOD, 0.0, 0.02), Verdict::Warn, "ill-conditioned"),
+        ];
+        for (row, verdict, reason) in faults {
+            assert_eq!(row.verdict, verdict, "{}", row.reason);
+            assert!(row.reason.contains(reason), "{}", row.reason);
+        }
+        let both = row(MeasuredLigament { width: 0.4, centre_offset: 0.1, ..GOOD }, 0.0, 1.5);
+        assert_eq!(both.verdict, Verdict::Fail);
+        assert!(both.reason.contains("wide") && both.reason.contains("; ligament's centre"));
+    }
+}

@@ -103,3 +103,43 @@ fn arc_points(from: Point, to: Point, bulge: f64, tolerance: f64) -> Vec<Point> 
         .map(|i| centre + radius * kurbo::Vec2::from_angle(start + sweep * i as f64 / count as f64))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arc(from: Point, to: Point, bulge: f64) -> Vec<Point> {
+        let vertices = [(from, bulge), (to, 0.0)].map(|(point, bulge)| PathVertex { point, bulge });
+        CutPath { kind: CutKind::Border, vertices: vertices.into(), closed: false }.flatten(1e-4)
+    }
+
+    #[test]
+    fn arcs_follow_the_dxf_convention() {
+        let unit = |degrees: f64| kurbo::Vec2::from_angle(degrees.to_radians()).to_point();
+        // From angle, to angle, counter-clockwise positive; around the origin with radius 1.
+        for (from, to) in [(0.0, 90.0), (0.0, 180.0), (0.0, 300.0), (90.0, 0.0), (30.0, -200.0)] {
+            let sweep: f64 = to - from;
+            let points = arc(unit(from), unit(to), (sweep.to_radians() / 4.0).tan());
+            assert!(points.len() > 10);
+            for (i, point) in points.iter().enumerate() {
+                // Equal steps on the unit circle, to rounding.
+                let expected = unit(from + sweep * i as f64 / (points.len() - 1) as f64);
+                assert!(point.distance(expected) < 1e-12, "{point:?} {expected:?}");
+            }
+            // The chord's sagitta stays within the tolerance.
+            let step = sweep.to_radians().abs() / (points.len() - 1) as f64;
+            assert!(1.0 - (0.5 * step).cos() <= 1e-4 * (1.0 + 1e-9));
+        }
+    }
+
+    #[test]
+    fn closed_paths_have_a_closing_segment() {
+        let points = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)];
+        let vertices = points.map(|(x, y)| PathVertex { point: Point::new(x, y), bulge: 0.0 });
+        let mut path = CutPath { kind: CutKind::Window, vertices: vertices.into(), closed: true };
+        let length = |path: &CutPath| path.segments(1e-3).iter().map(|[a, b]| a.distance(*b)).sum::<f64>();
+        assert_eq!((path.flatten(1e-3).len(), length(&path)), (3, 12.0));
+        path.closed = false;
+        assert_eq!((path.flatten(1e-3).len(), length(&path)), (3, 7.0));
+    }
+}
