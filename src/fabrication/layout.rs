@@ -60,3 +60,86 @@ pub struct CutLayout {
     /// Texts on the non-cut layer.
     pub notes: Vec<Note>,
 }
+
+impl CutPath {
+    /// The path as points on it whose chords stay within `tolerance` (> 0, millimetres) of its arcs. A closed
+    /// path's first point is not repeated.
+    pub fn flatten(&self, tolerance: f64) -> Vec<Point> {
+        let mut points = Vec::with_capacity(self.vertices.len());
+        for (i, vertex) in self.vertices.iter().enumerate() {
+            points.push(vertex.point);
+            let last = i + 1 == self.vertices.len();
+            if vertex.bulge != 0.0 && (self.closed || !last) {
+                let next = self.vertices[(i + 1) % self.vertices.len()].point;
+                points.extend(arc_points(vertex.point, next, vertex.bulge, tolerance));
+            }
+        }
+        points
+    }
+
+    /// The straight segments of [`CutPath::flatten`], with the closing one of a closed path.
+    pub fn segments(&self, tolerance: f64) -> Vec<[Point; 2]> {
+        let points = self.flatten(tolerance);
+        let mut segments: Vec<_> = points.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        if self.closed && points.len() > 2 {
+            segments.push([points[points.len() - 1], points[0]]);
+        }
+        segments
+    }
+}
+
+/// Points strictly inside the arc from `from` to `to`.
+fn arc_points(from: Point, to: Point, bulge: f64, tolerance: f64) -> Vec<Point> {
+    let sweep = 4.0 * bulge.atan();
+    let chord = to - from;
+    // The centre lies to the left of the chord for a counter-clockwise arc of less than a half turn.
+    let centre = from.midpoint(to) + (0.5 / (0.5 * sweep).tan()) * chord.turn_90();
+    let radius = centre.distance(from);
+    // A chord over the angle a leaves the arc by radius (1 - cos(a/2)).
+    let step = 2.0 * (1.0 - (tolerance / radius).min(1.0)).acos();
+    let count = (sweep.abs() / step).ceil().clamp(1.0, 1e4) as usize;
+    let start = (from - centre).atan2();
+    (1..count)
+        .map(|i| centre + radius * kurbo::Vec2::from_angle(start + sweep * i as f64 / count as f64))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arc(from: Point, to: Point, bulge: f64) -> Vec<Point> {
+        let vertices = [(from, bulge), (to, 0.0)].map(|(point, bulge)| PathVertex { point, bulge });
+        CutPath { kind: CutKind::Border, vertices: vertices.into(), closed: false }.flatten(1e-4)
+    }
+
+    #[test]
+    fn arcs_follow_the_dxf_convention() {
+        let unit = |degrees: f64| kurbo::Vec2::from_angle(degrees.to_radians()).to_point();
+        // From angle, to angle, counter-clockwise positive; around the origin with radius 1.
+        for (from, to) in [(0.0, 90.0), (0.0, 180.0), (0.0, 300.0), (90.0, 0.0), (30.0, -200.0)] {
+            let sweep: f64 = to - from;
+            let points = arc(unit(from), unit(to), (sweep.to_radians() / 4.0).tan());
+            assert!(points.len() > 10);
+            for (i, point) in points.iter().enumerate() {
+                // Equal steps on the unit circle, to rounding.
+                let expected = unit(from + sweep * i as f64 / (points.len() - 1) as f64);
+                assert!(point.distance(expected) < 1e-12, "{point:?} {expected:?}");
+            }
+            // The chord's sagitta stays within the tolerance.
+            let step = sweep.to_radians().abs() / (points.len() - 1) as f64;
+            assert!(1.0 - (0.5 * step).cos() <= 1e-4 * (1.0 + 1e-9));
+        }
+    }
+
+    #[test]
+    fn closed_paths_have_a_closing_segment() {
+        let points = [(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)];
+        let vertices = points.map(|(x, y)| PathVertex { point: Point::new(x, y), bulge: 0.0 });
+        let mut path = CutPath { kind: CutKind::Window, vertices: vertices.into(), closed: true };
+        let length = |path: &CutPath| path.segments(1e-3).iter().map(|[a, b]| a.distance(*b)).sum::<f64>();
+        assert_eq!((path.flatten(1e-3).len(), length(&path)), (3, 12.0));
+        path.closed = false;
+        assert_eq!((path.flatten(1e-3).len(), length(&path)), (3, 7.0));
+    }
+}

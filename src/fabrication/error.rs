@@ -1,0 +1,217 @@
+//! What can go wrong between a design and its cut layout: each message names the place, the value, the limit
+//! and the remedy. Positions are in sheet millimetres.
+
+use thiserror::Error;
+
+use super::mechanics::LengthError;
+
+/// Why no cut layout was made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FabricationError {
+    /// Only the closed state is cut as slits; the open state needs windows.
+    #[error(
+        "the sheet state is {found}, but the laser layout needs a flat closed state: give the job a flat \
+         `closed` target"
+    )]
+    SheetState {
+        /// The design's sheet state in words.
+        found: &'static str,
+    },
+    /// Broken indices or list lengths, or a number that is not finite.
+    #[error("piece {piece}: {reason}; the design is damaged, make it anew")]
+    BadPiece {
+        /// The piece.
+        piece: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A hinge whose indices do not fit the pieces.
+    #[error("hinge {hinge}: {reason}; the design is damaged, make it anew")]
+    BadHinge {
+        /// The hinge.
+        hinge: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// No ligament of the profile suits a hinge's angle.
+    #[error("hinge {hinge} at ({x:.2}, {y:.2}) mm: {source}")]
+    Length {
+        /// The hinge.
+        hinge: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// What it would need.
+        source: LengthError,
+    },
+    /// `lengths` does not fit the design or the tool.
+    #[error("ligament length of hinge {hinge}: {value} mm, but it must be finite and more than {limit} mm")]
+    BadLength {
+        /// The hinge.
+        hinge: usize,
+        /// The length that was given.
+        value: f64,
+        /// Lower limit: the kerf.
+        limit: f64,
+    },
+    /// One length per hinge is needed.
+    #[error("{found} ligament lengths were given for {expected} hinges: give one per hinge")]
+    LengthCount {
+        /// Lengths given.
+        found: usize,
+        /// Hinges of the design.
+        expected: usize,
+    },
+    /// An edge between two pieces that has not exactly one hinge.
+    #[error(
+        "the edge between pieces {pieces:?} at corners {corners:?} carries {found} hinges, but it needs exactly \
+         one: check the pattern's hinge list"
+    )]
+    EdgeHinges {
+        /// The neighbours.
+        pieces: [usize; 2],
+        /// The edge's end corners.
+        corners: [usize; 2],
+        /// Hinges found on it.
+        found: usize,
+    },
+    /// The corner's neighbourhood is not one that this layout can cut.
+    #[error("corner {corner} at ({x:.2}, {y:.2}) mm: {reason}")]
+    Corner {
+        /// The corner.
+        corner: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// What is wrong, and the remedy.
+        reason: String,
+    },
+    /// A side too short to hold a ligament.
+    #[error(
+        "the side between corners {corners:?} at ({x:.2}, {y:.2}) mm is {length:.3} mm long, but ligaments need \
+         more than {limit:.3} mm: take larger pieces or trim the pattern otherwise"
+    )]
+    ShortEdge {
+        /// The side's end corners.
+        corners: [usize; 2],
+        /// Its midpoint.
+        x: f64,
+        /// Its midpoint.
+        y: f64,
+        /// Its length.
+        length: f64,
+        /// Lower limit: a ligament and kerf at either end.
+        limit: f64,
+    },
+    /// The sheet consists of several parts.
+    #[error(
+        "the pieces form {count} separate parts, but one sheet must be connected: trim the pattern to one part"
+    )]
+    SeveralParts {
+        /// Number of outer border loops.
+        count: usize,
+    },
+    /// The part does not fit on the stock.
+    #[error(
+        "the part measures {width:.2} x {height:.2} mm, but the sheet leaves {room_x:.2} x {room_y:.2} mm \
+         between its margins: scale the target by at most {scale:.4}, turn it, or take a larger sheet"
+    )]
+    TooLarge {
+        /// The part's size in x, with its kerf.
+        width: f64,
+        /// The part's size in y, with its kerf.
+        height: f64,
+        /// Stock size in x less both margins.
+        room_x: f64,
+        /// Stock size in y less both margins.
+        room_y: f64,
+        /// The largest scale at which the part fits.
+        scale: f64,
+    },
+    /// Two cuts come too close.
+    #[error(
+        "only {web:.3} mm of material would stand between a {first} and a {second} cut at ({x:.2}, {y:.2}) mm, \
+         but the laser needs {limit:.3} mm: take larger pieces or shorter ligaments"
+    )]
+    Web {
+        /// What one cut is.
+        first: &'static str,
+        /// What the other cut is.
+        second: &'static str,
+        /// Midway between the two cuts.
+        x: f64,
+        /// Midway between the two cuts.
+        y: f64,
+        /// Width of the material between the burned grooves; negative where they overlap.
+        web: f64,
+        /// The profile's least web.
+        limit: f64,
+    },
+    /// The burned sheet falls apart.
+    #[error(
+        "the cuts would free a scrap of {area:.4} mm² at ({x:.2}, {y:.2}) mm from the sheet: take larger pieces \
+         or shorter ligaments there"
+    )]
+    FallsApart {
+        /// Area of the part that comes free.
+        area: f64,
+        /// A point in it.
+        x: f64,
+        /// A point in it.
+        y: f64,
+    },
+    /// Cutting the ligaments does not give one region per piece.
+    #[error("piece {piece} at ({x:.2}, {y:.2}) mm {reason}: check the design around it")]
+    PieceRegion {
+        /// The piece.
+        piece: usize,
+        /// Its centroid.
+        x: f64,
+        /// Its centroid.
+        y: f64,
+        /// What became of it.
+        reason: String,
+    },
+    /// Two pieces joined by a hinge overlap in the open state.
+    #[error(
+        "pieces {pieces:?} overlap by {area:.4} mm² when hinge {hinge} at ({x:.2}, {y:.2}) mm has turned by \
+         {angle_deg:.1} degrees: its ligament's free length is {length:.3} mm and must be at least {needed:.3} mm"
+    )]
+    HingeCollision {
+        /// The pieces.
+        pieces: [usize; 2],
+        /// Their hinge.
+        hinge: usize,
+        /// The hinge's x.
+        x: f64,
+        /// The hinge's y.
+        y: f64,
+        /// Overlap area.
+        area: f64,
+        /// The hinge's angle in degrees.
+        angle_deg: f64,
+        /// The free length that was laid out.
+        length: f64,
+        /// The free length at which the roots of the ligament just clear each other, h tan(angle/2).
+        needed: f64,
+    },
+    /// Two pieces that only meet at a corner overlap in the open state.
+    #[error(
+        "pieces {pieces:?}, which meet at corner {corner} at ({x:.2}, {y:.2}) mm, overlap by {area:.4} mm² in the \
+         open state: the pattern is opened too far there"
+    )]
+    CornerCollision {
+        /// The pieces.
+        pieces: [usize; 2],
+        /// The corner.
+        corner: usize,
+        /// The corner's x.
+        x: f64,
+        /// The corner's y.
+        y: f64,
+        /// Overlap area.
+        area: f64,
+    },
+}

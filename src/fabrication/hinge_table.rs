@@ -1,0 +1,211 @@
+//! The hinge placement report's rows: what was measured on the layout, and a verdict per hinge.
+
+use super::ligament::MeasuredLigament;
+use super::mechanics::{Fatigue, StrainClass, assess};
+use crate::geometry::{Point3, Vector3};
+use crate::kirigami::design::{Design, Hinge};
+use crate::profile::Profile;
+
+/// Whether a hinge can be made as designed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// As designed.
+    Ok,
+    /// Makeable, but less exact than it should be.
+    Warn,
+    /// Do not cut this.
+    Fail,
+}
+
+/// One hinge of the report. Millimetres and radians, in the sheet's frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HingeRow {
+    /// Index into [`Design::hinges`].
+    pub id: usize,
+    /// The two pieces.
+    pub pieces: [usize; 2],
+    /// The hinge point.
+    pub point: Point3,
+    /// Unit axis.
+    pub axis: Vector3,
+    /// Angle between the axis and the sheet's normal, in 0..=pi/2.
+    pub tilt: f64,
+    /// Turning angle.
+    pub angle: f64,
+    /// Width of the ligament, measured.
+    pub width: f64,
+    /// Free length of the ligament, measured.
+    pub length: f64,
+    /// Distance of the ligament's centre from the hinge point, measured.
+    pub centre_offset: f64,
+    /// Material between the relief bar and the nearest cut that does not belong to the same corner.
+    pub nearest_cut: f64,
+    /// Nominal strain of the outer fibre at the full angle, for the profile's width and the measured length.
+    pub strain: f64,
+    /// What that strain means.
+    pub strain_class: StrainClass,
+    /// The length that the strain is computed with.
+    pub effective_length: f64,
+    /// Torque at the full angle, N mm; `None` above yield.
+    pub torque: Option<f64>,
+    /// Life under repeated turns.
+    pub fatigue: Fatigue,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why, in words; empty if the verdict is ok.
+    pub reason: String,
+}
+
+/// Ligaments whose width differs from the profile's by more than this fail, millimetres.
+const WIDTH_TOLERANCE: f64 = 0.02;
+/// Largest offset of the ligament's centre, in ligament widths, that passes without a warning.
+const OFFSET_LIMIT: f64 = 0.05;
+/// Largest error of the axis at the sheet's faces, in ligament widths, that passes without a warning.
+const TILT_LIMIT: f64 = 0.1;
+/// Below this turning angle (radians) the axis is ill-conditioned: an error of a thousandth of a piece in the open
+/// state turns it by more than a degree.
+const LEAST_ANGLE: f64 = 3.0 * std::f64::consts::PI / 180.0;
+
+/// The rows of all hinges, in the design's order.
+///
+/// `design`: in sheet coordinates; `ligaments`: measured on its cuts, one per hinge.
+pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Profile) -> Vec<HingeRow> {
+    design
+        .hinges
+        .iter()
+        .zip(ligaments)
+        .enumerate()
+        .map(|(id, (hinge, ligament))| hinge_row(id, hinge, ligament, profile))
+        .collect()
+}
+
+fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Profile) -> HingeRow {
+    let load = assess(profile, ligament.length, hinge.angle);
+    let mut row = HingeRow {
+        id,
+        pieces: hinge.pieces,
+        point: hinge.point,
+        axis: hinge.axis,
+        tilt: hinge.axis.xy().norm().atan2(hinge.axis.z.abs()),
+        angle: hinge.angle,
+        width: ligament.width,
+        length: ligament.length,
+        centre_offset: ligament.centre_offset,
+        nearest_cut: ligament.nearest_cut,
+        strain: load.strain,
+        strain_class: load.class,
+        effective_length: load.effective_length,
+        torque: load.torque,
+        fatigue: load.fatigue,
+        verdict: Verdict::Ok,
+        reason: String::new(),
+    };
+    let findings = findings(&row, profile);
+    row.verdict = findings.iter().map(|(verdict, _)| *verdict).max().unwrap_or(Verdict::Ok);
+    row.reason = findings.into_iter().map(|(_, reason)| reason).collect::<Vec<_>>().join("; ");
+    row
+}
+
+/// Everything that is wrong with a hinge, worst first.
+fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
+    let width = profile.ligament.width;
+    let mut findings = Vec::new();
+    // A millionth above the limit: rounding of a length that was chosen to meet it.
+    if row.strain > profile.material.strain_limit * (1.0 + 1e-6) {
+        let text = format!(
+            "strain {:.1} % is above the limit of {:.1} %",
+            100.0 * row.strain,
+            100.0 * profile.material.strain_limit
+        );
+        findings.push((Verdict::Fail, text));
+    }
+    if (row.width - width).abs() > WIDTH_TOLERANCE {
+        let text = format!("ligament is {:.3} mm wide instead of {width:.3} mm", row.width);
+        findings.push((Verdict::Fail, text));
+    }
+    if row.nearest_cut < profile.laser.min_web {
+        let text = format!(
+            "only {:.3} mm to the next cut, the laser needs {:.3} mm",
+            row.nearest_cut, profile.laser.min_web
+        );
+        findings.push((Verdict::Fail, text));
+    }
+    if row.centre_offset > OFFSET_LIMIT * width {
+        let text = format!("ligament's centre is {:.3} mm from the hinge point", row.centre_offset);
+        findings.push((Verdict::Warn, text));
+    }
+    let tilt_error = 0.5 * profile.sheet.thickness * row.tilt.tan();
+    if tilt_error > TILT_LIMIT * width {
+        let text = format!(
+            "axis tilts by {:.1} degrees, {tilt_error:.3} mm at the sheet's faces",
+            row.tilt.to_degrees()
+        );
+        findings.push((Verdict::Warn, text));
+    }
+    if row.angle < LEAST_ANGLE {
+        let text = format!("axis is ill-conditioned: it turns by {:.2} degrees only", row.angle.to_degrees());
+        findings.push((Verdict::Warn, text));
+    }
+    findings
+}
+
+#[cfg(test)]
+mod tests {
+    use kurbo::Point;
+
+    use super::*;
+    use crate::fabrication::test_sheet::profile;
+
+    const GOOD: MeasuredLigament = MeasuredLigament {
+        width: 0.5,
+        length: 1.0,
+        centre: Point::ORIGIN,
+        centre_offset: 0.0,
+        nearest_cut: 2.0,
+        bar: [Point::new(-0.475, 0.275), Point::new(0.475, 0.275)],
+    };
+
+    fn row(ligament: MeasuredLigament, tilt: f64, angle: f64) -> HingeRow {
+        let axis = Vector3::new(0.0, -tilt.sin(), -tilt.cos());
+        let hinge = Hinge { pieces: [3, 7], vertices: [0, 1], point: Point3::origin(), axis, angle };
+        hinge_row(5, &hinge, &ligament, &profile())
+    }
+
+    #[test]
+    fn a_good_hinge_is_ok() {
+        let row = row(GOOD, 0.05, 1.5);
+        assert_eq!((row.verdict, row.reason.as_str(), row.id, row.pieces), (Verdict::Ok, "", 5, [3, 7]));
+        // The axis points down: its tilt is that of the line. Rounding of one arc tangent.
+        assert!((row.tilt - 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn each_fault_has_its_verdict_and_reason() {
+        let faults = [
+            (row(MeasuredLigament { width: 0.521, ..GOOD }, 0.0, 1.5), Verdict::Fail, "0.521 mm wide"),
+            (row(MeasuredLigament { width: 0.479, ..GOOD }, 0.0, 1.5), Verdict::Fail, "0.479 mm wide"),
+            (
+                row(MeasuredLigament { nearest_cut: 0.3, ..GOOD }, 0.0, 1.5),
+                Verdict::Fail,
+                "0.300 mm to the next",
+            ),
+            // 0.5 x 1.7 / (2 x 1.0) = 42.5 %.
+            (row(GOOD, 0.0, 1.7), Verdict::Fail, "strain 42.5 % is above the limit of 40.0 %"),
+            (
+                row(MeasuredLigament { centre_offset: 0.026, ..GOOD }, 0.0, 1.5),
+                Verdict::Warn,
+                "0.026 mm from",
+            ),
+            // 0.25 tan 12 degrees = 0.053 mm, a tenth of the width is 0.05 mm.
+            (row(GOOD, 12_f64.to_radians(), 1.5), Verdict::Warn, "axis tilts by 12.0 degrees, 0.053 mm"),
+            (row(GOOD, 0.0, 0.02), Verdict::Warn, "ill-conditioned"),
+        ];
+        for (row, verdict, reason) in faults {
+            assert_eq!(row.verdict, verdict, "{}", row.reason);
+            assert!(row.reason.contains(reason), "{}", row.reason);
+        }
+        let both = row(MeasuredLigament { width: 0.4, centre_offset: 0.1, ..GOOD }, 0.0, 1.5);
+        assert_eq!(both.verdict, Verdict::Fail);
+        assert!(both.reason.contains("wide") && both.reason.contains("; ligament's centre"));
+    }
+}

@@ -1,0 +1,173 @@
+//! The pieces' true outlines in the sheet state, by burning the cuts on paper: the sheet minus all cut paths at
+//! the kerf's width must be one body; minus the ligaments it must fall into one region per piece.
+
+use i_overlay::core::fill_rule::FillRule;
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::float::single::SingleFloatOverlay;
+use i_overlay::mesh::float::stroke::offset::StrokeOffset;
+use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
+use i_overlay::mesh::math::MathMode;
+use kurbo::{Point, Rect};
+
+use super::cuts::ARC_TOLERANCE;
+use super::error::FabricationError;
+use super::layout::{CutKind, CutPath};
+use super::ligament::MeasuredLigament;
+use crate::kirigami::design::Design;
+
+/// A closed contour: x, y in millimetres, counter-clockwise if it bounds from outside.
+pub type Contour = Vec<[f64; 2]>;
+/// An outer contour and its holes.
+type Shape = Vec<Contour>;
+
+/// Step of the round ends in radians: leaves a 0.05 mm kerf's circle by a third of a micrometre.
+const CAP_STEP: f64 = 0.3;
+
+/// The true outline of every piece, counter-clockwise, without its halves of the ligaments, in the pieces' order.
+///
+/// `paths`: all cuts; `ligaments`: measured on them. Scraps smaller than a kerf square are ignored.
+///
+/// # Errors
+/// Scraps that come free, pieces that vanish, hang together or are pierced.
+pub fn piece_outlines(
+    design: &Design,
+    paths: &[CutPath],
+    ligaments: &[MeasuredLigament],
+    kerf: f64,
+) -> Result<Vec<Contour>, FabricationError> {
+    let scrap = kerf * kerf;
+    let mut burned = burn(paths, kerf);
+    let bodies = subtract(&sheet(paths), &burned);
+    let sizes: Vec<f64> = bodies.iter().map(|body| area(&body[0])).collect();
+    let mut by_size: Vec<usize> = (0..bodies.len()).collect();
+    by_size.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
+    if let Some(&second) = by_size.get(1)
+        && sizes[second] > scrap
+    {
+        let [x, y] = centroid(&bodies[second][0]);
+        return Err(FabricationError::FallsApart { area: sizes[second], x, y });
+    }
+    burned.extend(ligaments.iter().map(|ligament| vec![ligament_region(ligament)]));
+    let regions = subtract(&sheet(paths), &burned);
+    let regions = regions.into_iter().filter(|region| area(&region[0]) > scrap).collect();
+    match_pieces(design, regions, scrap)
+}
+
+/// The grooves of all paths, as the tool leaves them: round ends, radius half the kerf.
+fn burn(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
+    let style = StrokeStyle::new(kerf)
+        .line_join(LineJoin::Round(CAP_STEP))
+        .start_cap(LineCap::Round(CAP_STEP))
+        .end_cap(LineCap::Round(CAP_STEP))
+        .math(MathMode::Float);
+    let lines = |closed: bool| -> Vec<Contour> {
+        paths.iter().filter(|path| path.closed == closed).map(contour).collect()
+    };
+    let mut grooves: Vec<Shape> = lines(false).stroke(style.clone(), false);
+    grooves.extend(lines(true).stroke(style, true));
+    grooves
+}
+
+fn contour(path: &CutPath) -> Contour {
+    path.flatten(ARC_TOLERANCE).into_iter().map(|point| [point.x, point.y]).collect()
+}
+
+/// The sheet's outer contour and its windows.
+fn sheet(paths: &[CutPath]) -> Shape {
+    let (borders, windows): (Vec<_>, Vec<_>) = paths
+        .iter()
+        .filter(|path| matches!(path.kind, CutKind::Border | CutKind::Window))
+        .partition(|path| path.kind == CutKind::Border);
+    borders.into_iter().chain(windows).map(contour).collect()
+}
+
+fn subtract(subject: &Shape, clip: &Vec<Shape>) -> Vec<Shape> {
+    subject.overlay(clip, OverlayRule::Difference, FillRule::NonZero)
+}
+
+/// The ligament's free rectangle, widened to the middle of the grooves on either side.
+fn ligament_region(ligament: &MeasuredLigament) -> Contour {
+    let [from, to] = ligament.bar;
+    let along = (to - from).normalize();
+    let across = along.turn_90();
+    let middle = from.midpoint(to);
+    let half = 0.5 * ligament.length * along;
+    let depth = 2.0 * (ligament.centre - middle).dot(across) * across;
+    let corners = [middle - half, middle + half, middle + half + depth, middle - half + depth];
+    let mut contour: Contour = corners.iter().map(|point| [point.x, point.y]).collect();
+    if area(&contour) < 0.0 {
+        contour.reverse(); // opposite senses would cancel under the non-zero rule
+    }
+    contour
+}
+
+fn match_pieces(design: &Design, regions: Vec<Shape>, scrap: f64) -> Result<Vec<Contour>, FabricationError> {
+    let boxes: Vec<Rect> = regions.iter().map(|region| contour_box(&region[0])).collect();
+    let mut owner: Vec<Option<usize>> = vec![None; regions.len()];
+    let mut outlines = Vec::with_capacity(design.pieces.len());
+    for (piece, vertices) in design.pieces.iter().enumerate() {
+        let polygon: Contour = vertices.closed.iter().map(|p| [p.x, p.y]).collect();
+        let [x, y] = centroid(&polygon);
+        let error = |reason: String| Err(FabricationError::PieceRegion { piece, x, y, reason });
+        let holds = |&i: &usize| boxes[i].contains(Point::new(x, y)) && contains(&regions[i][0], [x, y]);
+        let Some(region) = (0..regions.len()).find(holds) else {
+            return error("is burned away or cut through at its centre".into());
+        };
+        if let Some(other) = owner[region].replace(piece) {
+            return error(format!("still hangs together with piece {other} beside the ligaments"));
+        }
+        if regions[region].iter().skip(1).any(|hole| area(hole).abs() > scrap) {
+            return error("is pierced by a cut".into());
+        }
+        outlines.push(regions[region][0].clone());
+    }
+    if let Some(region) = owner.iter().position(Option::is_none) {
+        let [x, y] = centroid(&regions[region][0]);
+        return Err(FabricationError::FallsApart { area: area(&regions[region][0]), x, y });
+    }
+    Ok(outlines)
+}
+
+/// The bounding box of a contour.
+pub fn contour_box(contour: &[[f64; 2]]) -> Rect {
+    let start = Rect::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    contour
+        .iter()
+        .fold(start, |all, &[x, y]| Rect::new(all.x0.min(x), all.y0.min(y), all.x1.max(x), all.y1.max(y)))
+}
+
+/// Signed area of a contour, positive counter-clockwise, square millimetres.
+pub fn area(contour: &[[f64; 2]]) -> f64 {
+    let Some(&[x, y]) = contour.first() else { return 0.0 };
+    // Relative to the first vertex, so that small contours far from the origin keep their digits.
+    let cross = |a: [f64; 2], b: [f64; 2]| (a[0] - x) * (b[1] - y) - (b[0] - x) * (a[1] - y);
+    contour.windows(2).map(|pair| 0.5 * cross(pair[0], pair[1])).sum()
+}
+
+/// Centroid of the area inside a contour; its first vertex if the area vanishes.
+fn centroid(contour: &[[f64; 2]]) -> [f64; 2] {
+    let Some(&[x, y]) = contour.first() else { return [0.0; 2] };
+    let total = area(contour);
+    if total == 0.0 {
+        return [x, y];
+    }
+    let mut sum = [0.0; 2];
+    for pair in contour.windows(2) {
+        let [a, b] = [0, 1].map(|i| [pair[i][0] - x, pair[i][1] - y]);
+        let cross = a[0] * b[1] - b[0] * a[1];
+        sum = [sum[0] + cross * (a[0] + b[0]), sum[1] + cross * (a[1] + b[1])];
+    }
+    [x + sum[0] / (6.0 * total), y + sum[1] / (6.0 * total)]
+}
+
+/// Whether a point lies inside a contour (even-odd rule).
+fn contains(contour: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let mut inside = false;
+    for (i, &[ax, ay]) in contour.iter().enumerate() {
+        let [bx, by] = contour[(i + 1) % contour.len()];
+        if (ay > y) != (by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax) {
+            inside = !inside;
+        }
+    }
+    inside
+}

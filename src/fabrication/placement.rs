@@ -1,0 +1,79 @@
+//! Where the part lies on the stock.
+
+use super::cuts::{bounding_box, cut_set};
+use super::error::FabricationError;
+use super::frame::corner_frames;
+use super::slit::Plan;
+use super::topology::topology;
+use crate::geometry::{Point3, Vector3};
+use crate::kirigami::design::{Design, State};
+use crate::profile::Profile;
+
+/// The design, moved in x and y so that its cuts, with half a kerf, keep the stock's margin from the left and the
+/// lower edge. The open state stays where it is. Moving a moved design changes nothing beyond rounding.
+///
+/// `lengths`: free ligament length per hinge, millimetres.
+///
+/// # Errors
+/// A sheet state other than closed, a damaged design, or a part that is larger than the stock.
+pub fn place_on_sheet(
+    design: &Design,
+    profile: &Profile,
+    lengths: &[f64],
+) -> Result<Design, FabricationError> {
+    let found = match design.sheet_state {
+        Some(State::Closed) => None,
+        Some(State::Open) => Some("open"),
+        None => Some("not flat"),
+    };
+    if let Some(found) = found {
+        return Err(FabricationError::SheetState { found });
+    }
+    check_lengths(design, profile, lengths)?;
+    let topology = topology(design)?;
+    let frames = corner_frames(design, &topology)?;
+    let cuts = cut_set(&Plan::new(&topology, &frames, lengths, profile))?;
+    let part = bounding_box(&cuts.paths).inset(0.5 * profile.laser.kerf);
+    let sheet = &profile.sheet;
+    let [room_x, room_y] = [sheet.width, sheet.height].map(|size| size - 2.0 * sheet.margin);
+    // A nanometre of rounding may make a part that just fits seem too large.
+    if part.width() > room_x + 1e-6 || part.height() > room_y + 1e-6 {
+        // Ligament and kerf around the pieces keep their size when the design is scaled.
+        let rim = profile.hinge_gap() + profile.laser.kerf;
+        let scale_in = |room: f64, size: f64| (room - rim).max(0.0) / (size - rim);
+        let scale = scale_in(room_x, part.width()).min(scale_in(room_y, part.height()));
+        return Err(FabricationError::TooLarge {
+            width: part.width(),
+            height: part.height(),
+            room_x,
+            room_y,
+            scale,
+        });
+    }
+    Ok(moved(design, Vector3::new(sheet.margin - part.x0, sheet.margin - part.y0, 0.0)))
+}
+
+fn check_lengths(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<(), FabricationError> {
+    if lengths.len() != design.hinges.len() {
+        return Err(FabricationError::LengthCount { found: lengths.len(), expected: design.hinges.len() });
+    }
+    let limit = profile.laser.kerf;
+    let bad = lengths.iter().position(|&length| !(length.is_finite() && length > limit));
+    match bad {
+        Some(hinge) => Err(FabricationError::BadLength { hinge, value: lengths[hinge], limit }),
+        None => Ok(()),
+    }
+}
+
+fn moved(design: &Design, by: Vector3) -> Design {
+    let shift = |points: &mut [Point3]| points.iter_mut().for_each(|point| *point += by);
+    let mut design = design.clone();
+    shift(&mut design.corners);
+    for piece in &mut design.pieces {
+        shift(&mut piece.closed);
+    }
+    for hinge in &mut design.hinges {
+        hinge.point += by;
+    }
+    design
+}

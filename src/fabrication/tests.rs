@@ -1,0 +1,476 @@
+//! The stages together, on exact flat designs, against closed forms and invariances.
+
+use std::f64::consts::PI;
+
+use kurbo::Point;
+
+use super::cuts::{CutSet, bounding_box, cut_set};
+use super::error::FabricationError;
+use super::fabricate::{Fabrication, fabricate, ligament_lengths};
+use super::frame::corner_frames;
+use super::hinge_table::Verdict;
+use super::layout::{CutKind, CutPath};
+use super::ligament::{MeasuredLigament, measure_ligaments};
+use super::outline::area;
+use super::slit::Plan;
+use super::test_sheet::{TestSheet, profile, sheets};
+use super::topology::topology;
+use super::web::CutIndex;
+use crate::geometry::{Point3, Vector3};
+use crate::kirigami::design::{Design, State};
+use crate::profile::Profile;
+
+/// Rounding of coordinates of some 100 mm through a few dozen operations.
+const ROUNDING: f64 = 1e-9;
+
+fn made(sheet: &TestSheet, phi: f64) -> Fabrication {
+    let design = sheet.design(phi);
+    fabricate(&design, &profile(), &ligament_lengths(&design, &profile()).unwrap()).unwrap()
+}
+
+fn refused(design: &Design, profile: &Profile, length: f64) -> FabricationError {
+    fabricate(design, profile, &vec![length; design.hinges.len()]).unwrap_err()
+}
+
+/// The cuts where the design lies, before placing and ordering, and the ligaments measured on them.
+fn cuts(design: &Design, profile: &Profile, length: f64) -> (CutSet, Vec<MeasuredLigament>) {
+    let topology = topology(design).unwrap();
+    let frames = corner_frames(design, &topology).unwrap();
+    let lengths = vec![length; design.hinges.len()];
+    let set = cut_set(&Plan::new(&topology, &frames, &lengths, profile)).unwrap();
+    let index = CutIndex::new(&set.paths);
+    let ligaments = measure_ligaments(&design.hinges, &set, &index, profile.laser.kerf);
+    (set, ligaments)
+}
+
+fn count(paths: &[CutPath], kind: CutKind) -> usize {
+    paths.iter().filter(|path| path.kind == kind).count()
+}
+
+fn length(path: &CutPath) -> f64 {
+    path.segments(1e-6).iter().map(|[a, b]| a.distance(*b)).sum()
+}
+
+/// The design after a motion of the sheet plane, its pieces, vertices and hinges unchanged in number.
+fn moved(design: &Design, motion: impl Fn(f64, f64) -> [f64; 2]) -> Design {
+    let apply = |p: &mut Point3| {
+        let [x, y] = motion(p.x, p.y);
+        *p = Point3::new(x, y, p.z);
+    };
+    let mut design = design.clone();
+    design.corners.iter_mut().for_each(apply);
+    design.pieces.iter_mut().flat_map(|piece| &mut piece.closed).for_each(apply);
+    design.hinges.iter_mut().map(|hinge| &mut hinge.point).for_each(apply);
+    design
+}
+
+#[test]
+fn a_rectangle_has_the_cuts_and_the_size_of_the_closed_form() {
+    let profile = profile();
+    for cells in [[2, 2], [4, 3], [3, 4], [5, 5]] {
+        let size = [10.0, 8.0];
+        let sheet = TestSheet::rectangle(cells, size, profile.hinge_gap());
+        let made = made(&sheet, sheet.full_angle());
+        let [nx, ny] = cells;
+        let edges = nx * (ny - 1) + ny * (nx - 1);
+        // Vertical slits pass even corners, so they exit there at the lower and upper border; horizontal ones at
+        // odd corners of the left and right border.
+        let exits = (1..nx).map(|i| usize::from(i % 2 == 0) + usize::from((i + ny) % 2 == 0)).sum::<usize>()
+            + (1..ny).map(|j| usize::from(j % 2 == 1) + usize::from((nx + j) % 2 == 1)).sum::<usize>();
+        let paths = &made.layout.paths;
+        assert_eq!(count(paths, CutKind::Slit), (nx - 1) * (ny - 1) + exits);
+        assert_eq!(count(paths, CutKind::Relief), edges);
+        assert_eq!((count(paths, CutKind::Border), count(paths, CutKind::Window)), (1, 0));
+        assert_eq!((made.hinges.len(), made.outlines.len()), (edges, nx * ny));
+        // The border's centre line runs on the lattice lines (see the generator).
+        let part = bounding_box(paths).inset(0.5 * profile.laser.kerf);
+        assert!((part.width() - (nx as f64 * size[0] + profile.laser.kerf)).abs() < ROUNDING);
+        assert!((part.height() - (ny as f64 * size[1] + profile.laser.kerf)).abs() < ROUNDING);
+        assert!((part.x0 - profile.sheet.margin).abs() < ROUNDING);
+        assert!((part.y0 - profile.sheet.margin).abs() < ROUNDING);
+    }
+}
+
+#[test]
+fn every_ligament_is_as_wide_as_the_profile_says_and_centred_on_its_hinge() {
+    let profile = profile();
+    for (sheet, phi) in sheets() {
+        let made = made(&sheet, phi);
+        assert!(made.hinges.len() > 10);
+        for (row, hinge) in made.hinges.iter().zip(&made.design.hinges) {
+            assert!((row.width - profile.ligament.width).abs() < ROUNDING, "{row:?}");
+            assert!(row.centre_offset < ROUNDING, "{row:?}");
+            assert!(
+                (row.length - ligament_lengths(&made.design, &profile).unwrap()[row.id]).abs() < ROUNDING
+            );
+            assert_eq!((row.point, row.pieces, row.tilt), (hinge.point, hinge.pieces, 0.0));
+            assert_eq!((row.verdict, row.reason.as_str()), (Verdict::Ok, ""));
+            // Strain of a plastic hinge: h theta / (2 l).
+            let strain = 0.5 * profile.ligament.width * row.angle / row.length;
+            assert!((row.strain - strain).abs() < ROUNDING && row.torque.is_none());
+        }
+    }
+}
+
+#[test]
+fn without_a_gap_the_offset_is_half_a_ligament_and_kerf_and_is_reported() {
+    let profile = profile();
+    let sheet = TestSheet::rectangle([4, 4], [10.0, 10.0], 0.0);
+    let design = sheet.design(0.25 * PI);
+    let made = fabricate(&design, &profile, &vec![1.1; design.hinges.len()]).unwrap();
+    let mut shifted = 0;
+    for row in &made.hinges {
+        // Hinges of border corners stay centred: there the border makes room, not a second hinge.
+        let expected = if row.centre_offset > 0.1 { 0.5 * profile.hinge_gap() } else { 0.0 };
+        assert!((row.centre_offset - expected).abs() < ROUNDING);
+        assert!((row.width - profile.ligament.width).abs() < ROUNDING);
+        if expected > 0.0 {
+            shifted += 1;
+            assert_eq!(row.verdict, Verdict::Warn);
+        }
+    }
+    assert_eq!(shifted, 2 * 9); // two hinges at each inner corner
+}
+
+#[test]
+fn material_and_burned_grooves_fill_the_sheet() {
+    let profile = profile();
+    let (kerf, width) = (profile.laser.kerf, profile.ligament.width);
+    for (sheet, phi) in sheets() {
+        let made = made(&sheet, phi);
+        let closed = |path: &&CutPath| path.closed;
+        let contour = |path: &CutPath| -> Vec<[f64; 2]> {
+            path.flatten(1e-6).into_iter().map(|p| [p.x, p.y]).collect()
+        };
+        let sheet_area: f64 = made.layout.paths.iter().filter(closed).map(|p| area(&contour(p))).sum();
+        let burned: f64 = made
+            .layout
+            .paths
+            .iter()
+            .map(|path| {
+                // Closed cuts burn half their width inside.
+                if path.closed { 0.5 * kerf * length(path) } else { kerf * length(path) }
+            })
+            .sum();
+        let ligaments: f64 = made.hinges.iter().map(|row| row.length * width).sum();
+        let pieces: f64 = made.outlines.iter().map(|outline| area(outline)).sum();
+        let rest = sheet_area - burned - ligaments - pieces;
+        // Round ends, T-joints and corners overlap by at most a kerf square each; there are two ends per path.
+        assert!(rest.abs() < 2.0 * kerf * kerf * made.layout.paths.len() as f64, "{rest}");
+        assert!(made.outlines.iter().all(|outline| area(outline) > 10.0));
+    }
+}
+
+#[test]
+fn pieces_clear_each_other_from_the_length_of_the_closed_form_on() {
+    let profile = profile();
+    for (sheet, phi) in sheets() {
+        let design = sheet.design(phi);
+        let needed = profile.ligament.width * phi.tan(); // the hinge turns by 2 phi
+        let at = |length: f64| fabricate(&design, &profile, &vec![length; design.hinges.len()]);
+        // A hundredth of a millimetre more than needed passes. The overlap below grows with the square of what is
+        // missing and the tolerance is a hundredth of a millimetre squared, so a twentieth less is found.
+        assert!(at(needed + 0.01).is_ok());
+        let Err(FabricationError::HingeCollision { length, needed: told, area, .. }) = at(needed - 0.05)
+        else {
+            panic!("no collision found at {needed} - 0.05 mm");
+        };
+        assert!((length - (needed - 0.05)).abs() < ROUNDING && (told - needed).abs() < ROUNDING);
+        assert!(area > 0.0 && area < 0.05);
+    }
+}
+
+#[test]
+fn pieces_that_only_meet_at_a_corner_are_checked_in_the_open_state() {
+    let sheet = TestSheet::rectangle([4, 4], [10.0, 10.0], profile().hinge_gap());
+    let mut design = sheet.design(sheet.full_angle());
+    // Pieces 5 and 10 lie diagonally across the inner corner between them: lay 5 on 10.
+    let shift = design.pieces[10].open[0] - design.pieces[5].open[0];
+    design.pieces[5].open.iter_mut().for_each(|p| *p += 0.5 * shift);
+    let error = refused(&design, &profile(), 1.1);
+    assert!(matches!(error, FabricationError::CornerCollision { .. }), "{error}");
+}
+
+#[test]
+fn a_part_that_is_too_large_is_refused_with_a_scale_that_fits() {
+    let gap = profile().hinge_gap();
+    let sheet = TestSheet::rectangle([4, 3], [10.0, 10.0], gap);
+    let mut small = profile();
+    (small.sheet.width, small.sheet.height) = (35.0, 200.0);
+    let error = refused(&sheet.design(sheet.full_angle()), &small, 1.1);
+    let FabricationError::TooLarge { width, height, room_x, room_y, scale } = error else {
+        panic!("{error}")
+    };
+    assert!((width - 40.05).abs() < ROUNDING && (height - 30.05).abs() < ROUNDING);
+    assert_eq!((room_x, room_y), (25.0, 190.0));
+    let scaled = TestSheet::rectangle([4, 3], [10.0 * scale, 10.0 * scale], gap);
+    let design = scaled.design(scaled.full_angle());
+    assert!(fabricate(&design, &small, &vec![1.1; design.hinges.len()]).is_ok());
+    // The room is used to within the ligament's width.
+    assert!(40.0 * scale + small.laser.kerf > room_x - gap);
+}
+
+#[test]
+fn webs_below_the_limit_are_found_where_they_are() {
+    let sheet = TestSheet::rectangle([4, 4], [5.0, 5.0], profile().hinge_gap());
+    let design = sheet.design(sheet.full_angle());
+    // The ligament itself is the narrowest web.
+    let mut strict = profile();
+    strict.laser.min_web = 0.51;
+    let error = refused(&design, &strict, 1.1);
+    let FabricationError::Web { web, limit, .. } = error else { panic!("{error}") };
+    assert!((web - 0.5).abs() < ROUNDING && limit == 0.51);
+    // The end of one bar approaches the next corner's bar, which stands across it: 5 - 0.55 - l/2 of material.
+    let error = refused(&design, &profile(), 8.3);
+    let FabricationError::Web { first, second, web, x, y, .. } = error else { panic!("{error}") };
+    assert_eq!((first, second), ("relief", "relief"));
+    assert!((web - (5.0 - 0.55 - 4.15)).abs() < 0.03, "{web}");
+    assert!((5.0..25.1).contains(&x) && (5.0..25.1).contains(&y));
+}
+
+#[test]
+fn turning_the_sheet_turns_the_cuts() {
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let turn = |x: f64, y: f64| [cos * x - sin * y + 3.0, sin * x + cos * y - 40.0];
+    for (sheet, phi) in sheets() {
+        let design = sheet.design(phi);
+        let (straight, before) = cuts(&design, &profile(), 1.1);
+        let (turned, after) = cuts(&moved(&design, turn), &profile(), 1.1);
+        assert_eq!(straight.paths.len(), turned.paths.len());
+        for (a, b) in straight.paths.iter().zip(&turned.paths) {
+            assert_eq!((a.kind, a.vertices.len()), (b.kind, b.vertices.len()));
+            for (p, q) in a.vertices.iter().zip(&b.vertices) {
+                let [x, y] = turn(p.point.x, p.point.y);
+                assert!(q.point.distance(Point::new(x, y)) < ROUNDING);
+                assert!((p.bulge - q.bulge).abs() < ROUNDING);
+            }
+        }
+        for (a, b) in before.iter().zip(&after) {
+            assert!((a.nearest_cut - b.nearest_cut).abs() < ROUNDING);
+        }
+    }
+}
+
+/// Per path: kind, length and number of vertices, rounded to a nanometre and sorted.
+fn fingerprint(paths: &[CutPath]) -> Vec<(CutKind, i64, usize)> {
+    let mut prints: Vec<_> = paths
+        .iter()
+        .map(|path| (path.kind, (1e6 * length(path)).round() as i64, path.vertices.len()))
+        .collect();
+    prints.sort();
+    prints
+}
+
+#[test]
+fn mirrored_and_renumbered_designs_give_congruent_cuts() {
+    for (sheet, phi) in sheets() {
+        let design = sheet.design(phi);
+        let (cuts_before, _) = cuts(&design, &profile(), 1.1);
+        let mut mirrored = moved(&design, |x, y| [-x, y]);
+        for piece in &mut mirrored.pieces {
+            piece.corners.reverse();
+            piece.closed.reverse();
+        }
+        for hinge in &mut mirrored.hinges {
+            hinge.vertices = hinge.vertices.map(|vertex| 3 - vertex);
+        }
+        let (cuts_mirrored, _) = cuts(&mirrored, &profile(), 1.1);
+        assert_eq!(fingerprint(&cuts_before.paths), fingerprint(&cuts_mirrored.paths));
+
+        let mut renumbered = design.clone();
+        let (pieces, corners) = (design.pieces.len(), design.corners.len());
+        renumbered.pieces.reverse();
+        renumbered.corners.reverse();
+        for piece in &mut renumbered.pieces {
+            piece.corners.iter_mut().for_each(|corner| *corner = corners - 1 - *corner);
+            piece.corners.rotate_left(1);
+            piece.closed.rotate_left(1);
+            piece.open.rotate_left(1);
+        }
+        for hinge in &mut renumbered.hinges {
+            hinge.pieces = hinge.pieces.map(|piece| pieces - 1 - piece);
+            hinge.vertices = hinge.vertices.map(|vertex| (vertex + 3) % 4);
+        }
+        let lengths = vec![1.1; design.hinges.len()];
+        let a = fabricate(&design, &profile(), &lengths).unwrap();
+        let b = fabricate(&renumbered, &profile(), &lengths).unwrap();
+        assert_eq!(fingerprint(&a.layout.paths), fingerprint(&b.layout.paths));
+        for (row, other) in a.hinges.iter().zip(&b.hinges) {
+            assert!((row.point - other.point).norm() < ROUNDING);
+            assert!((row.nearest_cut - other.nearest_cut).abs() < ROUNDING);
+        }
+    }
+}
+
+#[test]
+fn bent_slits_keep_the_ligaments_width() {
+    // A smooth map that bends the lattice lines by up to 5 degrees from piece to piece.
+    let bend = |x: f64, y: f64| [x + 1.2 * (y / 11.0).sin(), y + 1.2 * (x / 12.0).cos()];
+    for cells in [[6, 6], [5, 7]] {
+        let sheet = TestSheet::rectangle(cells, [10.0, 10.0], 0.0);
+        let (_, ligaments) = cuts(&moved(&sheet.design(0.25 * PI), bend), &profile(), 1.1);
+        for ligament in &ligaments {
+            // The slit is straight along the ligament, at the design distance from the bar.
+            assert!((ligament.width - 0.5).abs() < 1e-6, "{ligament:?}");
+        }
+    }
+}
+
+#[test]
+fn bent_sheets_with_steps_and_windows_are_made_too() {
+    let (bend, shear) = (|y: f64| 1.2 * (y / 11.0).sin(), |x: f64| 1.2 * (x / 12.0).cos());
+    for (sheet, phi) in sheets() {
+        let design = moved(&sheet.design(phi), |x, y| [x + bend(y), y + shear(x)]);
+        let made = fabricate(&design, &profile(), &vec![1.1; design.hinges.len()]).unwrap();
+        assert_eq!(made.outlines.len(), design.pieces.len());
+        for row in &made.hinges {
+            // The map shears by up to 12 degrees, so hinge points leave their slits' normals by up to
+            // g/2 sin 12 degrees = 0.06 mm; the ligaments themselves stay true.
+            assert!((row.width - 0.5).abs() < 1e-3 && row.centre_offset < 0.06, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn inner_cuts_come_first_and_the_border_last() {
+    for (sheet, phi) in sheets() {
+        let paths = made(&sheet, phi).layout.paths;
+        let rank = |path: &CutPath| match path.kind {
+            CutKind::Slit | CutKind::Relief => 0,
+            CutKind::Window => 1,
+            CutKind::Border => 2,
+        };
+        assert!(paths.windows(2).all(|pair| rank(&pair[0]) <= rank(&pair[1])));
+        assert_eq!(count(&paths, CutKind::Border), 1);
+        let travel = |paths: &[CutPath]| -> f64 {
+            let open: Vec<_> = paths.iter().filter(|path| !path.closed).collect();
+            let end = |path: &CutPath| path.vertices[path.vertices.len() - 1].point;
+            open.windows(2).map(|pair| end(pair[0]).distance(pair[1].vertices[0].point)).sum()
+        };
+        let (unordered, _) = cuts(&sheet.design(phi), &profile(), 1.1);
+        assert_eq!(unordered.paths.len(), paths.len());
+        // All slits in the corners' order, then all bars: several times as far.
+        assert!(travel(&paths) < 0.5 * travel(&unordered.paths), "{}", travel(&paths));
+    }
+}
+
+#[test]
+fn a_window_is_cut_as_a_window_with_corners_on_its_outline() {
+    let (sheet, phi) = sheets()[3];
+    let paths = made(&sheet, phi).layout.paths;
+    assert_eq!((count(&paths, CutKind::Window), count(&paths, CutKind::Border)), (1, 1));
+    let window = paths.iter().find(|path| path.kind == CutKind::Window).unwrap();
+    let size = bounding_box(std::slice::from_ref(window));
+    // 3 x 2 cells of 9 x 8 mm; at concave corners the cut runs on or g/2 beside the lattice lines.
+    assert!((size.width() - 27.0).abs() < 0.56 && (size.height() - 16.0).abs() < 0.56, "{size:?}");
+}
+
+#[test]
+fn exiting_slits_end_on_the_border() {
+    for (sheet, phi) in sheets() {
+        let (set, _) = cuts(&sheet.design(phi), &profile(), 1.1);
+        let loops: Vec<_> = set.paths.iter().filter(|path| path.closed).collect();
+        let exits: Vec<_> = set.slits.iter().filter(|slit| slit.exits).collect();
+        assert!(exits.len() >= 3);
+        for slit in exits {
+            let end = slit.points.last().unwrap();
+            assert!(loops.iter().flat_map(|path| &path.vertices).any(|vertex| vertex.point == *end));
+        }
+    }
+}
+
+#[test]
+fn notes_stand_outside_the_part_and_inside_the_sheet() {
+    let (sheet, phi) = sheets()[0];
+    let made = made(&sheet, phi);
+    let part = bounding_box(&made.layout.paths);
+    assert_eq!(made.layout.notes.len(), 4);
+    assert!(
+        made.layout.notes.iter().any(|note| note.text == "kerf 0.05 mm already applied: cut on the line")
+    );
+    for note in &made.layout.notes {
+        assert!(note.position.y > part.y1 || note.position.x > part.x1);
+        assert!(note.position.y + note.height <= made.layout.sheet[1]);
+    }
+}
+
+#[test]
+fn placing_twice_moves_once() {
+    let (sheet, phi) = sheets()[2];
+    let first = made(&sheet, phi);
+    let lengths = ligament_lengths(&first.design, &profile()).unwrap();
+    let again = fabricate(&first.design, &profile(), &lengths).unwrap();
+    for (a, b) in first.design.corners.iter().zip(&again.design.corners) {
+        assert!((a - b).norm() < ROUNDING);
+    }
+    assert_eq!(first.design.pieces[3].open, sheet.design(phi).pieces[3].open);
+}
+
+#[test]
+fn bad_designs_are_refused_by_name() {
+    let (sheet, phi) = sheets()[0];
+    let good = sheet.design(phi);
+    let edit = |change: fn(&mut Design)| {
+        let mut design = good.clone();
+        change(&mut design);
+        refused(&design, &profile(), 1.1).to_string()
+    };
+    assert!(edit(|d| d.sheet_state = Some(State::Open)).contains("the sheet state is open"));
+    assert!(edit(|d| d.sheet_state = None).contains("not flat"));
+    assert!(edit(|d| d.hinges.truncate(16)).contains("carries 0 hinges"));
+    assert!(edit(|d| d.hinges[1] = d.hinges[0].clone()).contains("hinges, but it needs exactly one"));
+    assert!(edit(|d| d.hinges[4].pieces[1] = 99).contains("hinge 4: a piece or vertex index"));
+    assert!(edit(|d| d.hinges[4].angle = f64::NAN).contains("hinge 4: its point, axis or angle"));
+    assert!(edit(|d| d.hinges[4].axis *= 0.0).contains("hinge 4: its axis has no direction"));
+    assert!(edit(|d| d.pieces[2].corners[1] = 99).contains("piece 2: corner 99 is out of range"));
+    assert!(edit(|d| d.pieces[2].closed[1].x = f64::INFINITY).contains("piece 2: a vertex is not finite"));
+    assert!(edit(|d| d.pieces[2].corners.truncate(2)).contains("piece 2: it has 2 corners"));
+    assert!(edit(|d| d.pieces[2] = d.pieces[1].clone()).contains("piece 1 has the same side"));
+    assert!(edit(|d| d.corners[3].z = 0.5).contains("must be finite and lie in z = 0"));
+    assert!(edit(|d| d.corners.fill(Point3::origin())).contains("coincide"));
+    assert!(edit(|d| d.corners[1] = d.corners[0] + Vector3::new(1.0, 0.0, 0.0)).contains("1.000 mm long"));
+    let error = fabricate(&good, &profile(), &[1.0]).unwrap_err().to_string();
+    assert!(error.contains("1 ligament lengths were given for 17 hinges"), "{error}");
+    for length in [0.05, f64::NAN, f64::INFINITY] {
+        assert!(matches!(refused(&good, &profile(), length), FabricationError::BadLength { hinge: 0, .. }));
+    }
+}
+
+#[test]
+fn pieces_that_touch_in_one_point_are_refused() {
+    let gap = profile().hinge_gap();
+    let mut sheet = TestSheet::rectangle([3, 3], [10.0, 10.0], gap);
+    sheet.present = |i, j| !((i, j) == (1, 1) || (i, j) == (2, 2));
+    let error = refused(&sheet.design(sheet.full_angle()), &profile(), 1.1).to_string();
+    assert!(error.contains("touch here in one point only"), "{error}");
+    // Two separate parts.
+    sheet.present = |i, _| i != 1;
+    let mut design = sheet.design(sheet.full_angle());
+    for piece in design.pieces.iter_mut().filter(|piece| piece.open.is_empty()) {
+        piece.open = piece.closed.clone();
+    }
+    let error = refused(&design, &profile(), 1.1);
+    assert_eq!(error, FabricationError::SeveralParts { count: 2 });
+}
+
+#[test]
+fn hinges_on_the_wrong_end_are_refused() {
+    let (sheet, phi) = sheets()[0];
+    let mut design = sheet.design(phi);
+    // Move one hinge to the other end of its edge: piece j's next corner, piece k's previous one.
+    let id = design.hinges.iter().position(|h| h.pieces == [5, 6] || h.pieces == [6, 5]).unwrap();
+    let hinge = &design.hinges[id];
+    let corner = |side: usize, step: usize| {
+        let vertex = (hinge.vertices[side] + step) % 4;
+        (vertex, design.pieces[hinge.pieces[side]].corners[vertex])
+    };
+    let vertices = [1, 3]
+        .iter()
+        .flat_map(|&a| [1, 3].map(|b| (corner(0, a), corner(1, b))))
+        .find(|(a, b)| a.1 == b.1)
+        .map(|(a, b)| [a.0, b.0])
+        .unwrap();
+    design.hinges[id].vertices = vertices;
+    let error = refused(&design, &profile(), 1.1).to_string();
+    assert!(error.contains("do not alternate"), "{error}");
+}

@@ -1,0 +1,280 @@
+//! Which pieces, edges and hinges meet at each corner of the sheet: edges with their hinges, the fan of edges
+//! around each corner, and the border loops. Combinatorics only; the positions serve error messages.
+
+use std::collections::BTreeMap;
+
+use super::error::FabricationError;
+use crate::kirigami::design::Design;
+
+/// A side of a piece: interior if a second piece lies to its right, else border.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Edge {
+    /// The end corners, in the counter-clockwise sense of the piece to the left.
+    pub ends: [usize; 2],
+    /// The piece to the left.
+    pub left: usize,
+    /// The piece to the right; `None` at the sheet's border.
+    pub right: Option<usize>,
+    /// The hinge that the edge carries; `None` at the border.
+    pub hinge: Option<EdgeHinge>,
+}
+
+/// The one hinge of an interior edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct EdgeHinge {
+    /// Index into [`Design::hinges`].
+    pub id: usize,
+    /// The end corner at which it stands.
+    pub corner: usize,
+}
+
+impl Edge {
+    /// The end that is not `corner`.
+    pub fn far(&self, corner: usize) -> usize {
+        if self.ends[0] == corner { self.ends[1] } else { self.ends[0] }
+    }
+
+    /// The hinge, if it stands at `corner`.
+    pub fn hinge_at(&self, corner: usize) -> Option<usize> {
+        self.hinge.filter(|hinge| hinge.corner == corner).map(|hinge| hinge.id)
+    }
+}
+
+/// What meets at a corner, counter-clockwise. At a border corner the first edge is the border edge that leaves
+/// the corner and the last one the border edge that arrives, travelling with the sheet to the left.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Fan {
+    /// Edges: as many as pieces at an inner corner, one more at the border. Empty if no piece uses the corner.
+    pub edges: Vec<usize>,
+    /// `pieces[i]` lies counter-clockwise after `edges[i]`.
+    pub pieces: Vec<usize>,
+    /// Whether the corner is on a border loop.
+    pub border: bool,
+}
+
+/// The combinatorics of a sheet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Topology {
+    /// All edges.
+    pub edges: Vec<Edge>,
+    /// One fan per corner of the design.
+    pub fans: Vec<Fan>,
+    /// Border edges of each loop in travelling order, the sheet to the left.
+    pub loops: Vec<Vec<usize>>,
+}
+
+/// Directed corner pair -> (piece, vertex at its start).
+type HalfEdges = BTreeMap<[usize; 2], (usize, usize)>;
+
+/// Builds the combinatorics.
+///
+/// # Errors
+/// Indices out of range, numbers that are not finite, an edge used twice in one direction, an edge without or
+/// with several hinges, pieces that touch in one point only.
+pub fn topology(design: &Design) -> Result<Topology, FabricationError> {
+    check_numbers(design)?;
+    let half_edges = half_edges(design)?;
+    let (mut edges, edge_of) = edges(&half_edges);
+    attach_hinges(design, &mut edges, &edge_of)?;
+    let fans = fans(design, &half_edges, &edge_of)?;
+    let loops = border_loops(&edges, &fans);
+    Ok(Topology { edges, fans, loops })
+}
+
+fn check_numbers(design: &Design) -> Result<(), FabricationError> {
+    for (corner, point) in design.corners.iter().enumerate() {
+        // The sheet is flat at z = 0; a micrometre is far below any laser's accuracy.
+        if !point.iter().all(|c| c.is_finite()) || point.z.abs() > 1e-3 {
+            let reason = format!("z is {} mm, but the sheet state must be finite and lie in z = 0", point.z);
+            return Err(FabricationError::Corner { corner, x: point.x, y: point.y, reason });
+        }
+    }
+    for (index, piece) in design.pieces.iter().enumerate() {
+        let bad = |reason: String| Err(FabricationError::BadPiece { piece: index, reason });
+        let count = piece.corners.len();
+        if count < 3 || piece.closed.len() != count || piece.open.len() != count {
+            return bad(format!(
+                "it has {count} corners, {} closed and {} open vertices, but needs three or more, equally many",
+                piece.closed.len(),
+                piece.open.len()
+            ));
+        }
+        if let Some(&corner) = piece.corners.iter().find(|&&c| c >= design.corners.len()) {
+            return bad(format!("corner {corner} is out of range (the design has {})", design.corners.len()));
+        }
+        if !piece.closed.iter().chain(&piece.open).all(|p| p.iter().all(|c| c.is_finite())) {
+            return bad("a vertex is not finite".into());
+        }
+    }
+    Ok(())
+}
+
+fn half_edges(design: &Design) -> Result<HalfEdges, FabricationError> {
+    let mut map = HalfEdges::new();
+    for (index, piece) in design.pieces.iter().enumerate() {
+        let count = piece.corners.len();
+        for side in 0..count {
+            let key = [piece.corners[side], piece.corners[(side + 1) % count]];
+            if key[0] == key[1] {
+                let reason = format!("corner {} occurs twice in a row", key[0]);
+                return Err(FabricationError::BadPiece { piece: index, reason });
+            }
+            if let Some((other, _)) = map.insert(key, (index, side)) {
+                let reason =
+                    format!("piece {other} has the same side from corner {} to corner {}", key[0], key[1]);
+                return Err(FabricationError::BadPiece { piece: index, reason });
+            }
+        }
+    }
+    Ok(map)
+}
+
+fn edges(half_edges: &HalfEdges) -> (Vec<Edge>, BTreeMap<[usize; 2], usize>) {
+    let mut edges = Vec::new();
+    let mut edge_of = BTreeMap::new();
+    for (&[from, to], &(left, _)) in half_edges {
+        let right = half_edges.get(&[to, from]).map(|&(piece, _)| piece);
+        if right.is_some() && to < from {
+            continue; // the other direction makes the edge
+        }
+        edge_of.insert([from, to], edges.len());
+        edge_of.insert([to, from], edges.len());
+        edges.push(Edge { ends: [from, to], left, right, hinge: None });
+    }
+    (edges, edge_of)
+}
+
+fn attach_hinges(
+    design: &Design,
+    edges: &mut [Edge],
+    edge_of: &BTreeMap<[usize; 2], usize>,
+) -> Result<(), FabricationError> {
+    let mut found = vec![0; edges.len()];
+    for (id, hinge) in design.hinges.iter().enumerate() {
+        let bad = |reason: String| FabricationError::BadHinge { hinge: id, reason };
+        if !hinge.angle.is_finite() || !hinge.axis.iter().chain(hinge.point.iter()).all(|c| c.is_finite()) {
+            return Err(bad("its point, axis or angle is not finite".into()));
+        }
+        let corner_of =
+            |side: usize| design.pieces.get(hinge.pieces[side])?.corners.get(hinge.vertices[side]).copied();
+        let (Some(corner), Some(other)) = (corner_of(0), corner_of(1)) else {
+            return Err(bad("a piece or vertex index is out of range".into()));
+        };
+        if corner != other {
+            return Err(bad(format!("its vertices belong to two corners, {corner} and {other}")));
+        }
+        let piece = &design.pieces[hinge.pieces[0]];
+        let count = piece.corners.len();
+        let next = piece.corners[(hinge.vertices[0] + 1) % count];
+        let previous = piece.corners[(hinge.vertices[0] + count - 1) % count];
+        let mut shared = [next, previous].into_iter().filter_map(|end| {
+            let edge = edge_of[&[corner, end]];
+            let pieces = [Some(edges[edge].left), edges[edge].right];
+            pieces.contains(&Some(hinge.pieces[1])).then_some(edge)
+        });
+        let Some(edge) = shared.next() else {
+            return Err(bad(format!("pieces {:?} share no edge at corner {corner}", hinge.pieces)));
+        };
+        if shared.next().is_some() {
+            return Err(bad(format!("pieces {:?} share two edges at corner {corner}", hinge.pieces)));
+        }
+        found[edge] += 1;
+        edges[edge].hinge = Some(EdgeHinge { id, corner });
+    }
+    for (edge, &found) in edges.iter().zip(&found) {
+        if let Some(right) = edge.right
+            && found != 1
+        {
+            return Err(FabricationError::EdgeHinges {
+                pieces: [edge.left, right],
+                corners: edge.ends,
+                found,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn fans(
+    design: &Design,
+    half_edges: &HalfEdges,
+    edge_of: &BTreeMap<[usize; 2], usize>,
+) -> Result<Vec<Fan>, FabricationError> {
+    let mut incident = vec![Vec::new(); design.corners.len()];
+    for (index, piece) in design.pieces.iter().enumerate() {
+        for (vertex, &corner) in piece.corners.iter().enumerate() {
+            incident[corner].push((index, vertex));
+        }
+    }
+    let fan_at = |(corner, uses): (usize, &Vec<(usize, usize)>)| {
+        fan(design, half_edges, edge_of, corner, uses).ok_or_else(|| FabricationError::Corner {
+            corner,
+            x: design.corners[corner].x,
+            y: design.corners[corner].y,
+            reason: "pieces touch here in one point only, which no ligament can hold: add or remove a piece \
+                     so that the sheet's border passes the corner once"
+                .into(),
+        })
+    };
+    incident.iter().enumerate().map(fan_at).collect()
+}
+
+/// The fan of one corner; `None` if its pieces do not form one run.
+fn fan(
+    design: &Design,
+    half_edges: &HalfEdges,
+    edge_of: &BTreeMap<[usize; 2], usize>,
+    corner: usize,
+    uses: &[(usize, usize)],
+) -> Option<Fan> {
+    let next_of = |(piece, vertex): (usize, usize)| {
+        let corners = &design.pieces[piece].corners;
+        corners[(vertex + 1) % corners.len()]
+    };
+    let previous_of = |(piece, vertex): (usize, usize)| {
+        let corners = &design.pieces[piece].corners;
+        corners[(vertex + corners.len() - 1) % corners.len()]
+    };
+    let on_border = |&&at: &&(usize, usize)| !half_edges.contains_key(&[next_of(at), corner]);
+    let mut starts = uses.iter().filter(on_border);
+    let Some(&start) = starts.next().or(uses.first()) else {
+        return Some(Fan::default());
+    };
+    let mut fan = Fan { edges: vec![edge_of[&[corner, next_of(start)]]], ..Fan::default() };
+    let mut at = start;
+    loop {
+        fan.pieces.push(at.0);
+        let far = previous_of(at);
+        let next = half_edges.get(&[corner, far]).copied();
+        if next == Some(start) {
+            break;
+        }
+        fan.edges.push(edge_of[&[corner, far]]);
+        match next {
+            Some(piece) => at = piece,
+            None => {
+                fan.border = true;
+                break;
+            }
+        }
+    }
+    (fan.pieces.len() == uses.len() && starts.next().is_none()).then_some(fan)
+}
+
+fn border_loops(edges: &[Edge], fans: &[Fan]) -> Vec<Vec<usize>> {
+    let mut seen = vec![false; edges.len()];
+    let mut loops = Vec::new();
+    for start in 0..edges.len() {
+        let mut run = Vec::new();
+        let mut edge = start;
+        while edges[edge].right.is_none() && !seen[edge] {
+            seen[edge] = true;
+            run.push(edge);
+            edge = fans[edges[edge].ends[1]].edges[0];
+        }
+        if !run.is_empty() {
+            loops.push(run);
+        }
+    }
+    loops
+}
