@@ -53,11 +53,8 @@ impl BoundaryCurve {
     /// The boundary of a disk. `cycle` holds its boundary loop, the surface on the left
     /// (see [`super::topology::disk`]).
     pub fn new(mesh: &TriMesh, cycle: &[usize]) -> Self {
-        let opposite: BTreeMap<(usize, usize), usize> = mesh
-            .faces
-            .iter()
-            .flat_map(|&[a, b, c]| [((a, b), c), ((b, c), a), ((c, a), b)])
-            .collect();
+        let opposite: BTreeMap<(usize, usize), usize> =
+            mesh.faces.iter().flat_map(|&[a, b, c]| [((a, b), c), ((b, c), a), ((c, a), b)]).collect();
         let segments = (0..cycle.len())
             .map(|i| {
                 let (u, v) = (cycle[i], cycle[(i + 1) % cycle.len()]);

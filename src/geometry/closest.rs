@@ -84,7 +84,12 @@ impl ClosestPoints {
         let flat = (b - a).cross(&(c - a)).normalize();
         // Vertex normals may cancel at a sharp fold; the face's own normal is right there.
         let normal = smooth.try_normalize(1e-3).filter(|n| n.dot(&flat) > 0.0).unwrap_or(flat);
-        Closest { triangle: found.index, barycentric, point: interpolate(&found.corners, &barycentric), normal }
+        Closest {
+            triangle: found.index,
+            barycentric,
+            point: interpolate(&found.corners, &barycentric),
+            normal,
+        }
     }
 
     /// Distance from a point to the mesh.
@@ -157,11 +162,8 @@ mod tests {
         let index = ClosestPoints::new(TriMesh { vertices: vertices.clone(), faces: faces.clone() });
         for k in 0..40 {
             let t = k as f64;
-            let query = Point3::new(
-                2.5 + 4.0 * (t * 1.3).sin(),
-                2.5 + 4.0 * (t * 0.7).cos(),
-                1.5 * (t * 2.1).sin(),
-            );
+            let query =
+                Point3::new(2.5 + 4.0 * (t * 1.3).sin(), 2.5 + 4.0 * (t * 0.7).cos(), 1.5 * (t * 2.1).sin());
             let found = index.closest(&query);
             let distance = (found.point - query).norm();
             let mut sampled = f64::INFINITY;

@@ -29,7 +29,9 @@ pub enum FlattenError {
     #[error("the mesh cannot be flattened: its triangles are too thin or too uneven; remesh it more evenly")]
     Degenerate,
     /// A triangle is turned over.
-    #[error("flattening folds the mesh over at triangle {triangle}: the target curves too much for one flat sheet (its stretch ratio is {ratio:.3}); cut it into parts")]
+    #[error(
+        "flattening folds the mesh over at triangle {triangle}: the target curves too much for one flat sheet (its stretch ratio is {ratio:.3}); cut it into parts"
+    )]
     Folded {
         /// Which triangle.
         triangle: usize,

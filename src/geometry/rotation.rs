@@ -62,7 +62,8 @@ pub fn axis_angle(rotation: &Matrix3<f64>) -> (Option<Vector3>, f64) {
     }
     // Near a half turn the skew part vanishes; the symmetric part holds the axis up to its sign.
     let symmetric = (rotation + rotation.transpose()) * 0.5 - Matrix3::identity() * angle.cos();
-    let column = (0..3).max_by(|&i, &j| symmetric[(i, i)].total_cmp(&symmetric[(j, j)])).expect("three columns");
+    let column =
+        (0..3).max_by(|&i, &j| symmetric[(i, i)].total_cmp(&symmetric[(j, j)])).expect("three columns");
     let axis = symmetric.column(column).normalize();
     (Some(if axis.dot(&twice_sine_axis) < 0.0 { -axis } else { axis }), angle)
 }

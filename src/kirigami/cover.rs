@@ -2,7 +2,7 @@
 //!
 //! Where the outline has four corners and opposite sides of similar length, the grid follows the outline: its four
 //! sides lie on the four sides of the target. Otherwise a straight grid covers the outline's smallest bounding
-//! rectangle, and cells that lie outside by more than a third are left away.
+//! rectangle, and cells that lie outside by more than a sixth are left away.
 
 use super::corners::four_corners;
 use super::piece_mesh::PieceMesh;
@@ -67,7 +67,9 @@ pub struct Cover {
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum CoverError {
     /// Too few pieces.
-    #[error("the pattern would have {pieces} pieces; at least 2 x 2 must fit on the target: ask for more or smaller pieces")]
+    #[error(
+        "the pattern would have {pieces} pieces; at least 2 x 2 must fit on the target: ask for more or smaller pieces"
+    )]
     TooFew {
         /// Pieces that fit.
         pieces: usize,
@@ -81,7 +83,9 @@ pub enum CoverError {
         limit: usize,
     },
     /// The gap eats the piece.
-    #[error("pieces with sides of {edge:.3} mm are too small for hinges that stand {gap:.3} mm apart (ligament plus kerf): sides of at least {least:.3} mm are needed; ask for larger pieces or scale the target up")]
+    #[error(
+        "pieces with sides of {edge:.3} mm are too small for hinges that stand {gap:.3} mm apart (ligament plus kerf): sides of at least {least:.3} mm are needed; ask for larger pieces or scale the target up"
+    )]
     GapTooWide {
         /// Mean side of a closed piece.
         edge: f64,
@@ -155,12 +159,20 @@ impl Frame {
         let axis = best.map_or(Vector2::x(), |(_, axis)| axis);
         let turned = |v: Vector2| Vector2::new(-v.y, v.x);
         let candidates = [axis, turned(axis), -axis, -turned(axis)];
-        let axis = candidates.into_iter().max_by(|u, v| u.dot(first).total_cmp(&v.dot(first))).unwrap_or(axis);
+        let axis =
+            candidates.into_iter().max_by(|u, v| u.dot(first).total_cmp(&v.dot(first))).unwrap_or(axis);
         let (low, high) = extent(&hull, &axis);
         let corner = Point2::from(axis * low.x + turned(axis) * low.y);
         Self { corner, axis, size: high - low }
     }
 
+    /// Coordinates of a point of the plane in this frame.
+    fn local(&self, p: &Point2) -> Point2 {
+        let from = p - self.corner;
+        Point2::new(from.dot(&self.axis), self.axis.perp(&from))
+    }
+
+    /// The point of the plane with these coordinates in this frame.
     fn point(&self, x: f64, y: f64) -> Point2 {
         self.corner + self.axis * x + Vector2::new(-self.axis.y, self.axis.x) * y
     }
@@ -217,37 +229,88 @@ fn fitted(sides: &[Vec<Point2>; 4], wanted: ModelCell) -> Cover {
     build(&cells, patch, wanted, true)
 }
 
-/// A straight grid over the bounding rectangle, without the cells that lie outside by more than a third.
+/// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of several
+/// positions of the grid the one is taken that leaves the smallest gap to the outline.
 fn trimmed(outline: &[Point2], frame: &Frame, cell: ModelCell) -> Cover {
-    let counts = [frame.size.x, frame.size.y].map(|length| (length / cell.open - 1e-6).ceil().max(1.0) as i32);
-    let margin = [frame.size.x, frame.size.y];
-    let offset: [f64; 2] = std::array::from_fn(|i| 0.5 * (margin[i] - f64::from(counts[i]) * cell.open));
-    let at = |x: f64, y: f64| frame.point(offset[0] + x * cell.open, offset[1] + y * cell.open);
+    let local: Vec<Point2> = outline.iter().map(|p| frame.local(p) / cell.open).collect();
+    let shifts = (0..SHIFTS * SHIFTS).map(|k| {
+        let part = |k: usize| k as f64 / SHIFTS as f64;
+        Vector2::new(part(k % SHIFTS), part(k / SHIFTS))
+    });
+    let mut best: Option<(f64, Vector2, BTreeSet<[i32; 2]>)> = None;
+    for shift in shifts {
+        let shifted: Vec<Point2> = local.iter().map(|p| p + shift).collect();
+        let cells = cells_inside(&shifted);
+        let gap = largest_gap(&shifted, &cells);
+        // A better place must be better by more than rounding.
+        if best.as_ref().is_none_or(|(least, ..)| gap < least - 1e-9) {
+            best = Some((gap, shift, cells));
+        }
+    }
+    let (_, shift, cells) = best.expect("at least one position");
+    let at = |x: f64, y: f64| frame.point((x - shift.x) * cell.open, (y - shift.y) * cell.open);
+    build(&cells.into_iter().collect::<Vec<_>>(), at, cell, false)
+}
+
+/// Positions of the grid per direction that are tried.
+const SHIFTS: usize = 6;
+
+/// The unit cells of which five sixths or more lie inside an outline, tidied.
+fn cells_inside(outline: &[Point2]) -> BTreeSet<[i32; 2]> {
+    let (low, high) = extent(outline, &Vector2::x());
     let mut cells = BTreeSet::new();
-    for j in 0..counts[1] {
-        for i in 0..counts[0] {
+    for j in low.y.floor() as i32..high.y.ceil() as i32 {
+        for i in low.x.floor() as i32..high.x.ceil() as i32 {
             let inside = (0..SAMPLES * SAMPLES).filter(|k| {
                 let part = |k: usize| (k as f64 + 0.5) / SAMPLES as f64;
-                contains(outline, &at(f64::from(i) + part(k % SAMPLES), f64::from(j) + part(k / SAMPLES)))
+                contains(
+                    outline,
+                    &Point2::new(f64::from(i) + part(k % SAMPLES), f64::from(j) + part(k / SAMPLES)),
+                )
             });
-            if 3 * inside.count() >= 2 * SAMPLES * SAMPLES {
+            if 6 * inside.count() >= 5 * SAMPLES * SAMPLES {
                 cells.insert([i, j]);
             }
         }
     }
+    let block = |[i, j]: [i32; 2]| (0..BLOCK * BLOCK).map(move |k| [i + k % BLOCK, j + k / BLOCK]);
+    let full: Vec<[i32; 2]> =
+        cells.iter().copied().filter(|&cell| block(cell).all(|c| cells.contains(&c))).collect();
+    let mut cells = full.into_iter().flat_map(block).collect();
     tidy(&mut cells);
-    build(&cells.into_iter().collect::<Vec<_>>(), at, cell, false)
+    cells
 }
+
+/// Every cell belongs to a full block of this many by as many cells: narrower tips would hang on few hinges.
+const BLOCK: i32 = 3;
 
 /// Samples per side with which the share of a cell inside the outline is estimated.
 const SAMPLES: usize = 4;
+
+/// Largest distance of a point of an outline from the unit cells; infinite where there is no cell.
+fn largest_gap(outline: &[Point2], cells: &BTreeSet<[i32; 2]>) -> f64 {
+    let border: Vec<[i32; 2]> = cells
+        .iter()
+        .copied()
+        .filter(|[i, j]| {
+            ![[i + 1, *j], [i - 1, *j], [*i, j + 1], [*i, j - 1]].iter().all(|n| cells.contains(n))
+        })
+        .collect();
+    let distance = |p: &Point2, [i, j]: &[i32; 2]| {
+        let outside = |x: f64, low: i32| (f64::from(low) - x).max(x - f64::from(low + 1)).max(0.0);
+        outside(p.x, *i).hypot(outside(p.y, *j))
+    };
+    let gap = |p: &Point2| border.iter().map(|cell| distance(p, cell)).fold(f64::INFINITY, f64::min);
+    outline.iter().map(gap).fold(0.0, f64::max)
+}
 
 /// Removes cells until every cell has two neighbours, no two cells touch in a corner only, and all connect.
 fn tidy(cells: &mut BTreeSet<[i32; 2]>) {
     loop {
         let has = |i: i32, j: i32| cells.contains(&[i, j]);
-        let neighbours =
-            |[i, j]: [i32; 2]| [(1, 0), (0, 1), (-1, 0), (0, -1)].iter().filter(|(x, y)| has(i + x, j + y)).count();
+        let neighbours = |[i, j]: [i32; 2]| {
+            [(1, 0), (0, 1), (-1, 0), (0, -1)].iter().filter(|(x, y)| has(i + x, j + y)).count()
+        };
         let loose = cells.iter().copied().find(|&cell| neighbours(cell) < 2);
         let pinched = cells.iter().copied().find_map(|[i, j]| {
             let corner = |x: i32| has(i + x, j + 1) && !has(i + x, j) && !has(i, j + 1);
@@ -280,7 +343,12 @@ fn tidy(cells: &mut BTreeSet<[i32; 2]>) {
     *cells = largest;
 }
 
-fn build(cells: &[[i32; 2]], at: impl Fn(f64, f64) -> Point2, cell: ModelCell, follows_outline: bool) -> Cover {
+fn build(
+    cells: &[[i32; 2]],
+    at: impl Fn(f64, f64) -> Point2,
+    cell: ModelCell,
+    follows_outline: bool,
+) -> Cover {
     let (mesh, positions) = PieceMesh::from_cells(cells);
     let corners = positions.iter().map(|&[i, j]| at(f64::from(i), f64::from(j))).collect();
     let centres = cells.iter().map(|&[i, j]| at(f64::from(i) + 0.5, f64::from(j) + 0.5)).collect();
@@ -352,8 +420,10 @@ mod tests {
 
     #[test]
     fn a_disk_is_covered_by_a_tidy_staircase() {
-        let outline: Vec<Point2> =
-            (0..200).map(|k| 2.0 * PI * k as f64 / 200.0).map(|t| Point2::new(t.cos(), t.sin()) * 10.0).collect();
+        let outline: Vec<Point2> = (0..200)
+            .map(|k| 2.0 * PI * k as f64 / 200.0)
+            .map(|t| Point2::new(t.cos(), t.sin()) * 10.0)
+            .collect();
         let cover = cover(&outline, &Vector2::x(), PieceSize::Edge(1.0), [SQRT_2; 2], 0.0).unwrap();
         assert!(!cover.follows_outline);
         let area = cover.mesh.pieces.len() as f64 * cover.cell.open.powi(2);

@@ -5,8 +5,8 @@
 //! is, and it is what "the pattern covers the target" means: holes count as covered.
 
 use super::piece_mesh::PieceMesh;
-use crate::geometry::mesh::PolyMesh;
 use crate::geometry::Point3;
+use crate::geometry::mesh::PolyMesh;
 
 /// The open pattern with its holes filled: first one face per piece, then one per inner corner in the corners' order;
 /// `open` holds the open point of each edge. All faces are counter-clockwise seen from outside.

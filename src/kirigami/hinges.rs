@@ -30,9 +30,7 @@ pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64) -> Design {
         .filter_map(|e| {
             let edge = &mesh.edges[e];
             let (j, k) = (edge.piece, edge.neighbour?);
-            let vertices = [j, k].map(|piece| {
-                mesh.owned[piece].iter().position(|&owned| owned == e).expect("both pieces own their edge")
-            });
+            let vertices = [j, k].map(|piece| mesh.vertex_of(piece, e));
             let (axis, angle) = relative_turn(&motions[j], &motions[k]);
             let point = pieces[j].closed[vertices[0]];
             Some(Hinge { pieces: [j, k], vertices, point, axis, angle })

@@ -150,6 +150,14 @@ impl PieceMesh {
         self.fans[corner].edges.iter().position(|&e| e == edge).expect("the edge ends at the corner")
     }
 
+    /// The vertex of a piece that stands where the hinge of one of its edges is.
+    ///
+    /// # Panics
+    /// If the edge is not one of the piece's.
+    pub fn vertex_of(&self, piece: usize, edge: usize) -> usize {
+        self.owned[piece].iter().position(|&owned| owned == edge).expect("the piece owns the edge")
+    }
+
     /// Triples of consecutive edges along the grid's lines, each with the two corners between them.
     pub fn edge_triples(&self) -> Vec<([usize; 3], [usize; 2])> {
         let mut triples = Vec::new();

@@ -83,7 +83,13 @@ pub struct Shortfall {
 
 /// Measures a design against its target. `filled` is the open pattern with its holes filled
 /// ([`super::filled::filled_surface`]).
-pub fn measure(design: &Design, filled: &PolyMesh, target: &Target, asked_edge: f64, stretch_ratio: f64) -> Quality {
+pub fn measure(
+    design: &Design,
+    filled: &PolyMesh,
+    target: &Target,
+    asked_edge: f64,
+    stretch_ratio: f64,
+) -> Quality {
     let mean_edge = mean_edge(design);
     let (e_isom, max_length_error) = length_errors(design, mean_edge);
     let vertices = design.pieces.iter().flat_map(|piece| &piece.open);
@@ -123,7 +129,8 @@ impl Quality {
     pub fn shortfalls(&self, limits: &Limits) -> Vec<Shortfall> {
         const FIT: &str = "the target asks for more stretch than the pattern has there; cut it into parts, \
                            or use smaller pieces";
-        const RIGID: &str = "the pieces cannot be the same in both states; use smaller pieces or a less curved target";
+        const RIGID: &str =
+            "the pieces cannot be the same in both states; use smaller pieces or a less curved target";
         let cell = std::f64::consts::SQRT_2 * self.mean_edge;
         let rows = [
             ("the largest relative length error", self.max_length_error, limits.length_error, "", RIGID),

@@ -6,7 +6,9 @@
 use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
 use super::piece_mesh::PieceMesh;
-use super::terms::{Boundary, CellDimensions, Diagonals, LinearTerm, OrthogonalDiagonals, PointAt, Proximity};
+use super::terms::{
+    Boundary, CellDimensions, Diagonals, Hold, LinearTerm, OrthogonalDiagonals, PointAt, Proximity,
+};
 use crate::geometry::{Point2, Point3};
 use crate::solver::{Options, Report, Weighted, minimize};
 
@@ -76,12 +78,12 @@ pub fn stage2(
     let mut x = pack(start, scale);
     let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, &at);
     let border: Vec<usize> = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed).collect();
-    let wanted = wanted_distances(border.iter().map(|&c| start.open_corners[c]), target, cover.follows_outline);
+    let holds = holds(border.iter().map(|&c| start.open_corners[c]), target, cover.follows_outline);
     let open: Vec<PointAt> = (0..mesh.corner_count)
         .map(|i| at.open_corner(i))
         .chain((0..mesh.pieces.len()).map(|i| at.open_centre(i)))
         .collect();
-    let boundary = border.iter().zip(wanted).map(|(&c, d)| (at.open_corner(c), d / scale)).collect();
+    let boundary = border.iter().zip(holds).map(|(&c, hold)| (at.open_corner(c), hold)).collect();
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
     let mut terms = vec![
         Weighted { term: Box::new(OrthogonalDiagonals::new(both)), weight: weights.orth },
@@ -98,17 +100,21 @@ pub fn stage2(
     (unpack(&x, &at, scale), report)
 }
 
-/// Signed distances (positive outside) at which border points are to stay from the target's boundary: on it where the grid
-/// follows the outline, else where they are, but never outside.
-pub(super) fn wanted_distances(
+/// What border points are held to: the target's boundary where the grid follows the outline; else the place, measured
+/// across the boundary, where they are now, or the boundary itself if they are outside.
+pub(super) fn holds(
     points: impl Iterator<Item = Point3>,
     target: &Target,
     follows_outline: bool,
-) -> Vec<f64> {
+) -> Vec<Hold> {
     points
         .map(|p| {
+            if follows_outline {
+                return Hold::Boundary;
+            }
             let foot = target.boundary.closest(&p);
-            if follows_outline { 0.0 } else { (p - foot.point).dot(&foot.conormal).min(0.0) }
+            let outside = (p - foot.point).dot(&foot.conormal) > 0.0;
+            Hold::Plane(if outside { foot.point } else { p }, foot.conormal)
         })
         .collect()
 }

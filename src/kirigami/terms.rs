@@ -199,9 +199,8 @@ impl Term for CellDimensions {
         let (open_white, open_black) = open.values(x);
         residuals[0] = open_white.norm_squared() - open_black.norm_squared();
         open.write(&(open_white * 2.0), &(open_black * -2.0), &mut jacobian[first_open..columns]);
-        residuals[1] = white.norm() + black.norm()
-            - self.gap
-            - self.lambda * (open_white.norm() + open_black.norm());
+        residuals[1] =
+            white.norm() + black.norm() - self.gap - self.lambda * (open_white.norm() + open_black.norm());
         let unit = |v: Vector3| v.try_normalize(0.0).unwrap_or_default();
         let row = &mut jacobian[columns..];
         closed.write(&unit(white), &unit(black), &mut row[..first_open]);
@@ -257,20 +256,66 @@ impl Term for Proximity<'_> {
     }
 }
 
-/// Keeps the pattern's border at its distance from the target's boundary, measured outwards along the surface; a point
-/// may glide along the boundary.
+/// Lengths: the squared distance of two points minus the squared model length. One residual per pair.
+pub struct Lengths {
+    name: &'static str,
+    pairs: Vec<([PointAt; 2], Vec<usize>, f64)>,
+}
+
+impl Lengths {
+    /// Pairs of points of the same dimension with their model lengths.
+    pub fn new(name: &'static str, pairs: impl IntoIterator<Item = ([PointAt; 2], f64)>) -> Self {
+        let pairs = pairs.into_iter().map(|(points, length)| (points, indices(&points), length)).collect();
+        Self { name, pairs }
+    }
+}
+
+impl Term for Lengths {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+    fn blocks(&self) -> usize {
+        self.pairs.len()
+    }
+    fn rows(&self, _: usize) -> usize {
+        1
+    }
+    fn unknowns(&self, b: usize) -> &[usize] {
+        &self.pairs[b].1
+    }
+    fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
+        let ([p, q], _, length) = &self.pairs[b];
+        let along = q.read(x) - p.read(x);
+        residuals[0] = along.norm_squared() - length * length;
+        for axis in 0..p.dimension {
+            jacobian[axis] = -2.0 * along[axis];
+            jacobian[p.dimension + axis] = 2.0 * along[axis];
+        }
+    }
+}
+
+/// What a border point of the pattern is held to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Hold {
+    /// The target's boundary; the point may glide along it.
+    Boundary,
+    /// A plane given by a point (millimetres) and a unit normal.
+    Plane(Point3, Vector3),
+}
+
+/// Keeps the pattern's border on the target's boundary, or where it was in Stage 1, measured outwards along the surface.
 pub struct Boundary<'a> {
-    /// Points with their wanted signed distance (negative inside), in units of the unknowns.
-    points: Vec<(PointAt, f64)>,
+    points: Vec<(PointAt, Hold)>,
     unknowns: Vec<usize>,
     target: &'a Target,
+    /// Millimetres per unit of length of the unknowns.
     scale: f64,
     feet: Vec<(Vector3, f64)>,
 }
 
 impl<'a> Boundary<'a> {
-    /// Over points in space with their wanted distances.
-    pub fn new(points: Vec<(PointAt, f64)>, target: &'a Target, scale: f64) -> Self {
+    /// Over points in space with what they are held to.
+    pub fn new(points: Vec<(PointAt, Hold)>, target: &'a Target, scale: f64) -> Self {
         let unknowns = points.iter().flat_map(|(p, _)| p.indices()).collect();
         let feet = vec![(Vector3::zeros(), 0.0); points.len()];
         Self { points, unknowns, target, scale, feet }
@@ -291,15 +336,20 @@ impl Term for Boundary<'_> {
         &self.unknowns[3 * b..3 * b + 3]
     }
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
-        let (conormal, offset) = &self.feet[b];
-        residuals[0] = self.points[b].0.read(x).dot(conormal) - offset;
-        jacobian.copy_from_slice(conormal.as_slice());
+        let (normal, offset) = &self.feet[b];
+        residuals[0] = self.points[b].0.read(x).dot(normal) - offset;
+        jacobian.copy_from_slice(normal.as_slice());
     }
     fn refresh(&mut self, x: &[f64]) {
-        for ((point, wanted), foot) in self.points.iter().zip(&mut self.feet) {
-            let found = self.target.boundary.closest(&Point3::from(point.read(x) * self.scale));
-            let offset = found.point.coords.dot(&found.conormal) / self.scale;
-            *foot = (found.conormal, offset + wanted);
+        for ((point, hold), foot) in self.points.iter().zip(&mut self.feet) {
+            let (at, normal) = match hold {
+                Hold::Plane(at, normal) => (*at, *normal),
+                Hold::Boundary => {
+                    let found = self.target.boundary.closest(&Point3::from(point.read(x) * self.scale));
+                    (found.point, found.conormal)
+                }
+            };
+            *foot = (normal, at.coords.dot(&normal) / self.scale);
         }
     }
 }
@@ -421,6 +471,49 @@ impl Term for Planarity {
     }
 }
 
+/// Right angles: the product of two sides that meet in a point vanishes. One residual per angle.
+///
+/// Over the open hinges it keeps the pattern fully open, as the model cell is; over the corners of closed pieces it keeps
+/// these near rectangles.
+pub struct RightAngles {
+    name: &'static str,
+    angles: Vec<([PointAt; 3], Vec<usize>)>,
+}
+
+impl RightAngles {
+    /// Each angle's apex with the far ends of its two sides; all points have the same dimension.
+    pub fn new(name: &'static str, angles: impl IntoIterator<Item = [PointAt; 3]>) -> Self {
+        Self { name, angles: angles.into_iter().map(|points| (points, indices(&points))).collect() }
+    }
+}
+
+impl Term for RightAngles {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+    fn blocks(&self) -> usize {
+        self.angles.len()
+    }
+    fn rows(&self, _: usize) -> usize {
+        1
+    }
+    fn unknowns(&self, b: usize) -> &[usize] {
+        &self.angles[b].1
+    }
+    fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
+        let points = &self.angles[b].0;
+        let [apex, p, q] = points.map(|point| point.read(x));
+        let (u, v) = (p - apex, q - apex);
+        residuals[0] = u.dot(&v);
+        let dimension = points[0].dimension;
+        for axis in 0..dimension {
+            jacobian[axis] = -u[axis] - v[axis];
+            jacobian[dimension + axis] = v[axis];
+            jacobian[2 * dimension + axis] = u[axis];
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -443,23 +536,42 @@ mod tests {
 
     fn target() -> Target {
         let vertices = [[-9.0, -9.0, 0.1], [9.0, -8.0, 0.0], [8.0, 9.0, 0.4], [-9.0, 8.0, -0.3]];
-        Target::new(TriMesh { vertices: vertices.map(Point3::from).to_vec(), faces: vec![[0, 1, 2], [0, 2, 3]] }, &[0, 1, 2, 3])
+        Target::new(
+            TriMesh { vertices: vertices.map(Point3::from).to_vec(), faces: vec![[0, 1, 2], [0, 2, 3]] },
+            &[0, 1, 2, 3],
+        )
     }
 
     #[test]
     fn jacobians_agree_with_differences() {
         let x = scattered(40);
         let target = target();
-        let inner = |d: usize, s: usize| Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), Some(at(s + 3 * d, d)));
+        let inner = |d: usize, s: usize| {
+            Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), Some(at(s + 3 * d, d)))
+        };
         let border = |d: usize, s: usize| Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), None);
         let mut terms: Vec<Box<dyn Term + '_>> = vec![
             Box::new(LinearTerm::new("fair", 3, &[vec![(at(0, 3), 1.0), (at(3, 3), -2.5), (at(9, 3), 1.5)]])),
             Box::new(OrthogonalDiagonals::new([inner(2, 0), inner(3, 8), border(2, 0), border(3, 8)])),
-            Box::new(CellDimensions::new([(inner(2, 0), inner(3, 8)), (border(2, 0), border(3, 8))], 0.7, 0.05)),
+            Box::new(CellDimensions::new(
+                [(inner(2, 0), inner(3, 8)), (border(2, 0), border(3, 8))],
+                0.7,
+                0.05,
+            )),
             Box::new(Isometry::new(&[piece(4), piece(5)])),
             Box::new(Planarity::new(&[piece(4), piece(6)])),
+            Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
+            Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
+            Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),
             Box::new(Proximity::new(vec![at(0, 3), at(6, 3)], &target, 2.0)),
-            Box::new(Boundary::new(vec![(at(0, 3), -0.2), (at(3, 3), 0.0)], &target, 2.0)),
+            Box::new(Boundary::new(
+                vec![
+                    (at(0, 3), Hold::Plane(Point3::new(1.0, 2.0, 3.0), Vector3::y())),
+                    (at(3, 3), Hold::Boundary),
+                ],
+                &target,
+                2.0,
+            )),
         ];
         for term in &mut terms {
             term.refresh(&x);
@@ -482,7 +594,7 @@ mod tests {
         // The two facets differ by about two degrees, so the smooth normal shortens by at most 1e-3.
         assert!((residual[0].abs() / distance - 1.0).abs() < 1e-3, "{} {distance}", residual[0]);
         // A point outside, straight before the middle of the edge y = -9 .. -8: positive distance outwards.
-        let mut boundary = Boundary::new(vec![(at(0, 3), 0.0)], &target, 1.0);
+        let mut boundary = Boundary::new(vec![(at(0, 3), Hold::Boundary)], &target, 1.0);
         let outside = [0.0, -10.5, 0.05];
         boundary.refresh(&outside);
         boundary.evaluate(0, &outside, &mut residual, &mut [0.0; 3]);
@@ -496,7 +608,8 @@ mod tests {
         let mut x: Vec<f64> = closed.concat();
         let turn = nalgebra::Rotation3::from_euler_angles(0.4, -0.8, 2.0);
         for (i, (_, offset)) in piece.closed.iter().enumerate() {
-            let p = turn * (Vector3::new(closed[i][0], closed[i][1], 0.0) + offset) + Vector3::new(3.0, 1.0, -2.0);
+            let p = turn * (Vector3::new(closed[i][0], closed[i][1], 0.0) + offset)
+                + Vector3::new(3.0, 1.0, -2.0);
             x.extend(p.iter());
         }
         let mut residuals = [0.0; 6];

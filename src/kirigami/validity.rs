@@ -105,9 +105,9 @@ fn crosses_itself(polygon: &[Point3], normal: &Vector3) -> bool {
     let side = |a: Point3, b: Point3, c: Point3| (b - a).cross(&(c - a)).dot(normal);
     let cross = |a, b, c, d| side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0;
     (0..n).any(|i| {
-        (i + 2..n).filter(|j| (j + 1) % n != i).any(|j| {
-            cross(polygon[i], polygon[(i + 1) % n], polygon[j], polygon[(j + 1) % n])
-        })
+        (i + 2..n)
+            .filter(|j| (j + 1) % n != i)
+            .any(|j| cross(polygon[i], polygon[(i + 1) % n], polygon[j], polygon[(j + 1) % n]))
     })
 }
 

@@ -160,11 +160,8 @@ fn find_step(
         if let Some(factor) = equations.pattern.factor(&damped) {
             let mut step: Vec<f64> = equations.gradient.iter().map(|g| -g).collect();
             factor.solve_in_place(&mut step);
-            let predicted: f64 = step
-                .iter()
-                .zip(&equations.gradient)
-                .map(|(s, g)| s * (damping * scale * s - g))
-                .sum();
+            let predicted: f64 =
+                step.iter().zip(&equations.gradient).map(|(s, g)| s * (damping * scale * s - g)).sum();
             let candidate: Vec<f64> = x.iter().zip(&step).map(|(a, b)| a + b).collect();
             let reached = total(&weigh(equations.sums_of_squares(terms, &candidate), terms));
             let gain = (energy - reached) / predicted;
