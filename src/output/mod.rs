@@ -8,6 +8,12 @@ pub mod dxf;
 
 pub mod svg;
 
+mod json_rows;
+
+pub mod design_json;
+
+pub mod hinge_report;
+
 use crate::fabrication::layout::CutKind;
 
 /// How a layer is called and drawn in machine files.

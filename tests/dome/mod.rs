@@ -1,0 +1,100 @@
+//! A real design to test with: a shallow dome of 6 x 6 pieces, made by the optimiser's own stages.
+
+use std::path::Path;
+
+use kirimorph::geometry::flatten::{ConformalScale, flatten};
+use kirimorph::geometry::mesh::TriMesh;
+use kirimorph::geometry::topology::disk;
+use kirimorph::geometry::{Point3, Vector2};
+use kirimorph::kirigami::control_mesh::{Target, stage1};
+use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
+use kirimorph::kirigami::design::Design;
+use kirimorph::kirigami::filled::filled_surface;
+use kirimorph::kirigami::quality::{Quality, measure};
+use kirimorph::kirigami::stage3::{Pattern, initial_pattern, stage3};
+use kirimorph::kirigami::{hinges, stage2, stage3};
+use kirimorph::output::design_json::Stage;
+use kirimorph::profile::{self, Profile};
+use kirimorph::solver::Options;
+
+/// A design with its measures and the solver's reports.
+pub struct Made {
+    pub design: Design,
+    pub quality: Quality,
+    pub stages: Vec<Stage>,
+}
+
+/// The design after all stages, and one whose pieces are neither rigid nor flat: what Stage 3 starts from, shaken.
+pub struct Dome {
+    pub made: Made,
+    pub shaken: Made,
+    pub profile: Profile,
+}
+
+/// Makes the dome.
+pub fn dome() -> Dome {
+    let profile = profile::load("steel-304-0.5mm", Path::new("")).unwrap();
+    let gap = profile.hinge_gap();
+    let mesh = mesh(14, 90.0, 14.0);
+    let cycle = disk(&mesh.faces).unwrap().boundary;
+    let flat = flatten(&mesh, &ConformalScale::solve(&mesh, &cycle).unwrap()).unwrap();
+    let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
+    let stretches = [std::f64::consts::SQRT_2; 2];
+    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap).unwrap();
+    let target = Target::new(mesh.clone(), &cycle);
+    let control = stage1(&cover, &mesh, &flat.points);
+    let progress = &mut |_, _| ();
+    let (control, second) = stage2::stage2(
+        &cover,
+        &control,
+        &target,
+        gap,
+        &stage2::Weights::default(),
+        &Options::default(),
+        progress,
+    );
+    let first = initial_pattern(&cover, &control, gap);
+    let (pattern, third) = stage3(&cover, first.clone(), &target, gap, &stage3::Weights::default(), progress);
+    let mut shaken = first;
+    shaken.open.iter_mut().enumerate().for_each(|(i, p)| p.z += 0.3 * (i as f64).sin());
+    let stages = vec![
+        Stage { name: "stage-1", reports: vec![] },
+        Stage { name: "stage-2", reports: vec![second] },
+        Stage { name: "stage-3", reports: third },
+    ];
+    let made = |pattern: &Pattern, stages| {
+        let design = hinges::design(&cover.mesh, pattern, gap);
+        let quality = measured(&design, &cover, pattern, &target, flat.stretch_ratio);
+        Made { design, quality, stages }
+    };
+    Dome { shaken: made(&shaken, vec![]), made: made(&pattern, stages), profile }
+}
+
+fn measured(
+    design: &Design,
+    cover: &Cover,
+    pattern: &Pattern,
+    target: &Target,
+    stretch_ratio: f64,
+) -> Quality {
+    measure(design, &filled_surface(&cover.mesh, &pattern.open), target, cover.cell.edge(), stretch_ratio)
+}
+
+/// A dome over a square, off the origin so that no coordinate is a round number.
+fn mesh(cells: usize, span: f64, height: f64) -> TriMesh {
+    let n = cells + 1;
+    let vertex = |i: usize, j: usize| {
+        let [u, v] = [i, j].map(|k| 2.0 * k as f64 / cells as f64 - 1.0);
+        let z = height * (1.0 - 0.5 * (u * u + v * v));
+        Point3::new(0.5 * span * u + 21.7, 0.5 * span * v - 3.1, z + 1.3)
+    };
+    let cell = |i: usize, j: usize| {
+        let at = |i: usize, j: usize| j * n + i;
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    TriMesh {
+        vertices: (0..n * n).map(|k| vertex(k % n, k / n)).collect(),
+        faces: (0..cells * cells).flat_map(|k| cell(k % cells, k / cells)).collect(),
+    }
+}
