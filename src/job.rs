@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::kirigami::cover::PieceSize;
 use crate::kirigami::design::PatternKind;
+use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
 
@@ -89,15 +91,6 @@ pub struct Pattern {
     pub gap: f64,
 }
 
-/// The grid's resolution.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PieceSize {
-    /// Number of pieces along the two directions of the grid that covers the target's flattening.
-    Count([usize; 2]),
-    /// Side of a piece, millimetres.
-    Side(f64),
-}
-
 /// How the sheet is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fabrication {
@@ -105,16 +98,6 @@ pub struct Fabrication {
     pub profile: Profile,
     /// The DXF flavour.
     pub dxf: DxfVersion,
-}
-
-/// A flavour of DXF.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum DxfVersion {
-    /// AutoCAD 2000 (AC1015): LWPOLYLINE with bulges.
-    #[default]
-    R2000,
-    /// AutoCAD R12 (AC1009): LINE and ARC only, for old controllers.
-    R12,
 }
 
 /// The keys that a job file may leave out, and what then holds.

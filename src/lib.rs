@@ -32,3 +32,7 @@ pub mod kirigami;
 pub mod fabrication;
 
 pub mod output;
+
+pub mod pipeline;
+
+pub mod cli;

@@ -1,3 +1,7 @@
 //! The `kirimorph` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    kirimorph::cli::run(std::env::args_os())
+}

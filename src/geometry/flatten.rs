@@ -216,12 +216,12 @@ fn global_step(
     let n = mesh.vertices.len();
     let mut rhs = [vec![0.0; n], vec![0.0; n]];
     for (f, face) in mesh.faces.iter().enumerate() {
-        for i in 0..3 {
+        for (i, weight) in weights[f].iter().enumerate() {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let pull = rotate(&rotations[f], &(local[f][j] - local[f][k])) * weights[f][i];
-            for axis in 0..2 {
-                rhs[axis][face[j]] += pull[axis];
-                rhs[axis][face[k]] -= pull[axis];
+            let pull = rotate(&rotations[f], &(local[f][j] - local[f][k])) * *weight;
+            for (axis, rhs) in rhs.iter_mut().enumerate() {
+                rhs[face[j]] += pull[axis];
+                rhs[face[k]] -= pull[axis];
             }
         }
     }
@@ -329,8 +329,7 @@ mod tests {
                 let shift = ring % 2;
                 let (a, b) = (at(ring, s), at(ring, s + 1));
                 let (c, d) = (at(ring + 1, s + shift), at(ring + 1, s + 1 + shift));
-                let c = if shift == 0 { at(ring + 1, s) } else { c };
-                faces.extend(if shift == 0 { [[a, c, b], [b, c, d]] } else { [[a, c, b], [b, c, d]] });
+                faces.extend([[a, c, b], [b, c, d]]);
             }
         }
         TriMesh { vertices, faces }

@@ -160,10 +160,10 @@ fn pieces(source: &TomlSource, raw: &Spanned<RawPattern>) -> Result<PieceSize, T
     match (&raw.get_ref().pieces, &raw.get_ref().piece_mm) {
         (Some(_), Some(side)) => Err(source.error(side.span(), "pattern has both pieces and piece_mm", help)),
         (None, None) => Err(source.error(raw.span(), "pattern has neither pieces nor piece_mm", help)),
-        (None, Some(side)) => Ok(PieceSize::Side(source.number(side, &PIECE)?)),
+        (None, Some(side)) => Ok(PieceSize::Edge(source.number(side, &PIECE)?)),
         (Some(counts), None) => {
             let [x, y] = pair(source, counts)?;
-            Ok(PieceSize::Count([count(source, x)?, count(source, y)?]))
+            Ok(PieceSize::Counts([count(source, x)?, count(source, y)?]))
         }
     }
 }

@@ -71,7 +71,7 @@ fn a_job_that_says_everything() {
     assert_eq!(job.target.closed, Shape::Flat);
     assert_eq!((job.target.units.millimetres(), job.target.size), (10.0, Some(300.0)));
     assert_eq!(job.pattern.kind, PatternKind::RotatingRectangles);
-    assert_eq!(job.pattern.pieces, PieceSize::Count([30, 20]));
+    assert_eq!(job.pattern.pieces, PieceSize::Counts([30, 20]));
     assert_eq!(job.pattern.gap, 0.0);
     assert_eq!(job.fabrication.dxf, DxfVersion::R12);
     let profile = &job.fabrication.profile;

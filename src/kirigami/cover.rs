@@ -129,7 +129,15 @@ pub fn cover(
         return Err(CoverError::TooMany { pieces: wanted, limit: MOST_PIECES });
     }
     let cover = match four_corners(outline, &frame.axis) {
-        Some(sides) => fitted(&sides, cell),
+        Some(sides) => {
+            let counts = fitted_counts(&sides, size, open, area(outline));
+            let cells = f64::from(counts[0] * counts[1]);
+            let cell = match size {
+                PieceSize::Counts(_) => ModelCell::from_open((area(outline) / cells).sqrt(), stretches, gap),
+                PieceSize::Edge(_) => cell,
+            };
+            fitted(&sides, counts, cell)
+        }
         None => trimmed(outline, &frame, cell),
     };
     let pieces = cover.mesh.pieces.len();
@@ -210,11 +218,25 @@ fn convex_hull(points: &[Point2]) -> Vec<Point2> {
     hull
 }
 
+/// Cells along the two directions of a grid that follows the outline: what the user asked for, unless cells would then be
+/// far from square; else as many as make their mean area that of the wanted cell.
+fn fitted_counts(sides: &[Vec<Point2>; 4], size: PieceSize, open: f64, area: f64) -> [i32; 2] {
+    let lengths = [0, 1].map(|i| 0.5 * (length(&sides[i]) + length(&sides[i + 2])));
+    if let PieceSize::Counts([nx, ny]) = size {
+        let aspect = (lengths[0] / nx as f64) / (lengths[1] / ny as f64);
+        if aspect.ln().abs() < MOST_ASPECT.ln() {
+            return [nx as i32, ny as i32];
+        }
+    }
+    let bulge = (area / (lengths[0] * lengths[1])).sqrt();
+    lengths.map(|length| ((bulge * length / open).round() as i32).max(2))
+}
+
+/// Asked counts are taken as they are if the cells' sides then differ by less than this factor.
+const MOST_ASPECT: f64 = 1.15;
+
 /// A grid whose sides follow the four sides of the outline: a Coons patch over equal divisions of the sides.
-fn fitted(sides: &[Vec<Point2>; 4], wanted: ModelCell) -> Cover {
-    let lengths = sides.each_ref().map(|side| length(side));
-    let count = |i: usize| ((0.5 * (lengths[i] + lengths[i + 2]) / wanted.open).round() as i32).max(2);
-    let (nx, ny) = (count(0), count(1));
+fn fitted(sides: &[Vec<Point2>; 4], [nx, ny]: [i32; 2], cell: ModelCell) -> Cover {
     let cells: Vec<[i32; 2]> = (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j])).collect();
     let patch = |x: f64, y: f64| {
         let (s, t) = (x / f64::from(nx), y / f64::from(ny));
@@ -226,7 +248,7 @@ fn fitted(sides: &[Vec<Point2>; 4], wanted: ModelCell) -> Cover {
         let bilinear = (c00 * (1.0 - s) + c10 * s) * (1.0 - t) + (c01 * (1.0 - s) + c11 * s) * t;
         Point2::from(bottom * (1.0 - t) + top * t + left * (1.0 - s) + right * s - bilinear)
     };
-    build(&cells, patch, wanted, true)
+    build(&cells, patch, cell, true)
 }
 
 /// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of several
@@ -370,6 +392,12 @@ fn along(line: &[Point2], fraction: f64) -> Point2 {
         left -= step;
     }
     line[line.len() - 1]
+}
+
+/// Area of a counter-clockwise polygon.
+fn area(polygon: &[Point2]) -> f64 {
+    let n = polygon.len();
+    (0..n).map(|i| 0.5 * polygon[i].coords.perp(&polygon[(i + 1) % n].coords)).sum()
 }
 
 /// Whether a closed polygon contains a point (even-odd rule).

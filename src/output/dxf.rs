@@ -22,9 +22,10 @@ use super::{BORDER, NOTE, RELIEF, SLIT, WINDOW, layer_of, plain_line};
 use pair_filter::PairFilter;
 
 /// Which DXF is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DxfVersion {
     /// AC1015: millimetres in the header, each cut one LWPOLYLINE, arcs as bulges.
+    #[default]
     R2000,
     /// AC1009: each segment one LINE or ARC, without POLYLINE, which some laser programs ignore. It has no place
     /// for units and none for the direction of a clockwise arc.

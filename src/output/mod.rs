@@ -14,6 +14,10 @@ pub mod design_json;
 
 pub mod hinge_report;
 
+pub mod preview;
+
+pub mod folder;
+
 use crate::fabrication::layout::CutKind;
 
 /// How a layer is called and drawn in machine files.

@@ -1,0 +1,113 @@
+//! The command line: the only place that opens output files and prints.
+//!
+//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, or a hinge that fails.
+
+mod check;
+mod make;
+mod progress;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Flat sheets with cut patterns that morph into surfaces: design, hinges, laser files.
+#[derive(Debug, Parser)]
+#[command(version, about, long_about = None, after_help = EXIT_HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_HELP: &str = "Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, target not reached, \
+                         or a hinge that fails.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Do everything: from a job file to checked laser files and the hinge placement report.
+    Make {
+        /// The job file (TOML).
+        job: PathBuf,
+        /// Folder for the results [default: out/NAME, NAME being the job file's].
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+        /// Write the files even where a hinge fails; its verdict stays "fail".
+        #[arg(long)]
+        allow_failing_hinges: bool,
+        /// Print errors only.
+        #[arg(short, long)]
+        quiet: bool,
+    },
+    /// Check the hinges of a design against a profile: prints the worst ones.
+    Check {
+        /// A design.json, or a folder that holds one.
+        design: PathBuf,
+        /// A profile's name or file.
+        #[arg(short, long)]
+        profile: String,
+        /// How many hinges to print.
+        #[arg(short, long, default_value_t = 10)]
+        worst: usize,
+        /// Succeed even where a hinge fails.
+        #[arg(long)]
+        allow_failing_hinges: bool,
+    },
+    /// List the profiles: sheet, material, laser and ligament.
+    Profiles,
+}
+
+/// How a command ends.
+enum Failure {
+    /// Exit status 1.
+    BadInput(String),
+    /// Exit status 2.
+    NotMakeable(String),
+}
+
+impl Failure {
+    fn bad_input(error: impl std::fmt::Display) -> Self {
+        Self::BadInput(error.to_string())
+    }
+}
+
+/// Runs the program with these arguments and returns its exit status.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Help and version are no errors; a usage error is 1, where clap says 2. Nothing can be done about a closed pipe.
+            let _ = error.print();
+            return if error.use_stderr() { ExitCode::from(1) } else { ExitCode::SUCCESS };
+        }
+    };
+    let result = match arguments.command {
+        Command::Make { job, output, allow_failing_hinges, quiet } => {
+            make::run(&job, output, allow_failing_hinges, quiet)
+        }
+        Command::Check { design, profile, worst, allow_failing_hinges } => {
+            check::run(&design, &profile, worst, allow_failing_hinges)
+        }
+        Command::Profiles => {
+            print(&(crate::profile::names().join("\n") + "\n"));
+            Ok(())
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::BadInput(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(1)
+        }
+        Err(Failure::NotMakeable(message)) => {
+            eprintln!("refused: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints to standard output; a reader that has gone away is no error.
+fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}

@@ -1,0 +1,194 @@
+//! `kirimorph make`: the main job, its files and its summary.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::check::refuse_failing;
+use super::progress::ProgressLine;
+use super::{Failure, print};
+use crate::job::{Job, Shape, read_job};
+use crate::output::design_json::{self, DesignFile, Provenance};
+use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::preview::{self, Preview};
+use crate::output::{dxf, hinge_report, svg};
+use crate::pipeline::{Clock, Made, PipelineError, Timings, fingerprints, make};
+
+/// Runs the job and writes its results, all or none.
+pub fn run(
+    job_file: &Path,
+    output: Option<PathBuf>,
+    allow_failing: bool,
+    quiet: bool,
+) -> Result<(), Failure> {
+    let job = read_job(job_file).map_err(Failure::bad_input)?;
+    let name = job_file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let folder = output.unwrap_or_else(|| Path::new("out").join(&name));
+    OutputFolder::check(&folder).map_err(Failure::bad_input)?;
+    let mut line = ProgressLine::new(quiet);
+    let mut show = |progress| line.show(progress);
+    let mut clock = Clock::new(&mut show);
+    let made = make(&job, &mut clock).map_err(failure)?;
+    refuse_failing(&made.fabrication.hinges, allow_failing)?;
+    let input = Input { job: &job, job_file, name: &name };
+    clock
+        .run("output", |_| -> Result<OutputFolder, WriteError> {
+            let out = OutputFolder::create(&folder)?;
+            write_results(&input, &made, &out)?;
+            Ok(out)
+        })
+        .and_then(|out| {
+            out.write("timings.json", |file| write_timings(&clock.timings, file))?;
+            Ok(out.finish()?)
+        })
+        .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
+    drop(clock);
+    drop(line);
+    if !quiet {
+        print(&summary(&name, &made, &folder));
+    }
+    Ok(())
+}
+
+fn failure(error: PipelineError) -> Failure {
+    if error.is_bad_input() { Failure::bad_input(error) } else { Failure::NotMakeable(error.to_string()) }
+}
+
+/// What the results were made from.
+struct Input<'a> {
+    job: &'a Job,
+    job_file: &'a Path,
+    name: &'a str,
+}
+
+impl Input<'_> {
+    fn target(&self) -> &Path {
+        match &self.job.target.open {
+            Shape::Mesh(path) => path,
+            Shape::Flat => Path::new("flat"),
+        }
+    }
+
+    fn target_name(&self) -> String {
+        self.target().file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+/// Anything that can go wrong while results are written.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct WriteError(String);
+
+macro_rules! write_error_from {
+    ($($error:ty),*) => {
+        $(impl From<$error> for WriteError {
+            fn from(error: $error) -> Self {
+                Self(error.to_string())
+            }
+        })*
+    };
+}
+
+write_error_from!(
+    io::Error,
+    FolderError,
+    design_json::WriteDesignError,
+    dxf::WriteDxfError,
+    svg::WriteSvgError,
+    hinge_report::WriteHingesError,
+    preview::WritePreviewError,
+    serde_json::Error
+);
+
+fn write_results(input: &Input, made: &Made, out: &OutputFolder) -> Result<(), WriteError> {
+    let Made { fabrication, quality, stages } = made;
+    let profile = &input.job.fabrication.profile;
+    let hashes: BTreeMap<String, String> =
+        fingerprints(&[("job", input.job_file), ("target", input.target())]);
+    let summary = hinge_report::summary(&fabrication.hinges);
+    let design = DesignFile {
+        design: &fabrication.design,
+        quality,
+        stages,
+        max_strain: summary.as_ref().map(|summary| summary.worst_strain.value),
+        provenance: Provenance { job: input.name, target: &input.target_name(), hashes: &hashes },
+    };
+    out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
+    let comments = [
+        format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), input.name, profile.name),
+        format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
+    ];
+    let version = input.job.fabrication.dxf;
+    out.write::<WriteError>("cut.dxf", |file| {
+        Ok(dxf::write(&fabrication.layout, version, &comments, file)?)
+    })?;
+    out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&fabrication.layout, &comments, file)?))?;
+    out.write::<WriteError>("hinges.json", |file| {
+        Ok(hinge_report::write_json(&fabrication.hinges, profile, file)?)
+    })?;
+    out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(&fabrication.hinges, file)?))?;
+    let preview = Preview {
+        fabrication,
+        title: input.name,
+        profile: &profile.name,
+        target: &input.target_name(),
+        figures: &figures(made),
+    };
+    out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
+}
+
+fn write_timings(timings: &Timings, out: &mut BufWriter<File>) -> Result<(), WriteError> {
+    let stages: Vec<_> = timings
+        .0
+        .iter()
+        .map(|(name, seconds)| serde_json::json!({ "name": name, "seconds": seconds }))
+        .collect();
+    serde_json::to_writer_pretty(&mut *out, &serde_json::json!({ "stages": stages }))?;
+    Ok(writeln!(out)?)
+}
+
+/// The figures by which a person judges the result: label and value, short enough for one line of the preview.
+fn figures(made: &Made) -> Vec<(String, String)> {
+    let Made { fabrication, quality, .. } = made;
+    let hinges = &fabrication.hinges;
+    let angles = hinges.iter().map(|row| row.angle.to_degrees());
+    let (least, most) = angles.fold((f64::INFINITY, 0.0_f64), |(l, m), a| (l.min(a), m.max(a)));
+    let tilt = hinges.iter().map(|row| row.tilt.to_degrees()).fold(0.0, f64::max);
+    let cell = std::f64::consts::SQRT_2 * quality.mean_edge;
+    let rows = [
+        ("pieces, hinges", format!("{}, {}", fabrication.design.pieces.len(), hinges.len())),
+        ("mean edge", format!("{:.3} mm", quality.mean_edge)),
+        ("asked edge", format!("{:.3} mm", quality.asked_edge)),
+        ("length error", format!("{:.1e} (limit 1e-8)", quality.max_length_error)),
+        ("bending", format!("{:.1e} edges (limit 1e-4)", quality.planarity)),
+        ("off the target", format!("{:.3} mm", quality.distance_max)),
+        ("off, of diagonal", format!("{:.1e}", quality.distance_max / quality.target_diagonal)),
+        (
+            "boundary gap",
+            format!("{:.2} mm ({:.2} pieces)", quality.boundary_max, quality.boundary_max / cell),
+        ),
+        ("area expansion", format!("{:.3}", quality.area_expansion)),
+        ("target's stretch", format!("{:.3}", quality.stretch_ratio)),
+        ("hinge angles", format!("{least:.1} to {most:.1} deg")),
+        ("largest tilt", format!("{tilt:.1} deg")),
+    ];
+    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+fn summary(name: &str, made: &Made, folder: &Path) -> String {
+    let figures = figures(made);
+    let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
+    let mut text = format!("{name}: made\n");
+    for (label, value) in &figures {
+        text += &format!("  {label:<width$}  {value}\n");
+    }
+    if let Some(summary) = hinge_report::summary(&made.fabrication.hinges) {
+        text += &format!("  {summary}\n");
+    }
+    text += &format!("Files in {}:\n", folder.display());
+    text + "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n\
+            \x20 preview.svg                 look at this first\n\
+            \x20 hinges.csv, hinges.json     the hinge placement report\n\
+            \x20 design.json, timings.json   the design with its figures, and the times\n"
+}

@@ -1,0 +1,186 @@
+//! The output folder: all files of one run, or none.
+//!
+//! Files are written into a new folder beside the wanted one, which then takes its place. A folder that already exists
+//! is replaced only if it holds nothing but files that a run makes, so that nothing of the user's is lost and no old
+//! result is left among new ones.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The names of all files that a run may make.
+pub const FILE_NAMES: [&str; 7] =
+    ["design.json", "cut.dxf", "cut.svg", "hinges.csv", "hinges.json", "preview.svg", "timings.json"];
+
+/// Why the output cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// The path names a file.
+    #[error("{}: this is a file; name a folder with -o", path.display())]
+    NotAFolder {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The folder holds other files.
+    #[error("{}: the folder holds \"{found}\", which no run of this program makes; name a new or empty folder with -o", path.display())]
+    Occupied {
+        /// The folder.
+        path: PathBuf,
+        /// One of the files in it.
+        found: String,
+    },
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// What was to be written.
+        path: PathBuf,
+        /// Why not.
+        source: io::Error,
+    },
+}
+
+/// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.
+pub struct OutputFolder {
+    wanted: PathBuf,
+    partial: PathBuf,
+    finished: bool,
+}
+
+impl OutputFolder {
+    /// Checks that `wanted` may be made or replaced. Nothing is written yet.
+    ///
+    /// # Errors
+    /// A file in its place, or a folder with other files.
+    pub fn check(wanted: &Path) -> Result<(), FolderError> {
+        let io = |source| FolderError::Io { path: wanted.to_owned(), source };
+        match fs::symlink_metadata(wanted) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            Err(error) => return Err(io(error)),
+            Ok(_) if !wanted.is_dir() => return Err(FolderError::NotAFolder { path: wanted.to_owned() }),
+            Ok(_) => (),
+        }
+        for entry in fs::read_dir(wanted).map_err(io)? {
+            let found = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
+            if !FILE_NAMES.contains(&found.as_str()) {
+                return Err(FolderError::Occupied { path: wanted.to_owned(), found });
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes the new folder beside the wanted one.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::check`], or the file system's refusal.
+    pub fn create(wanted: &Path) -> Result<Self, FolderError> {
+        Self::check(wanted)?;
+        let absolute = std::path::absolute(wanted)
+            .map_err(|source| FolderError::Io { path: wanted.to_owned(), source })?;
+        let parent = absolute.parent().unwrap_or(Path::new("/"));
+        let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let partial = parent.join(format!(".{name}.{}.partial", std::process::id()));
+        fs::create_dir_all(parent)
+            .and_then(|()| fs::create_dir(&partial))
+            .map_err(|source| FolderError::Io { path: wanted.to_owned(), source })?;
+        Ok(Self { wanted: absolute, partial, finished: false })
+    }
+
+    /// Writes one file.
+    ///
+    /// # Errors
+    /// What `write` returns.
+    pub fn write<E: From<io::Error>>(
+        &self,
+        name: &str,
+        write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut out = BufWriter::new(File::create(self.partial.join(name))?);
+        write(&mut out)?;
+        out.flush()?;
+        out.get_ref().sync_all()?;
+        Ok(())
+    }
+
+    /// Puts the new folder in the wanted one's place.
+    ///
+    /// # Errors
+    /// The file system's refusal, or files of the user's that appeared meanwhile; the wanted folder is then as it was.
+    pub fn finish(mut self) -> Result<(), FolderError> {
+        let io = |source| FolderError::Io { path: self.wanted.clone(), source };
+        Self::check(&self.wanted)?;
+        let old = self.partial.with_extension("old");
+        let replaces = self.wanted.exists();
+        if replaces {
+            fs::rename(&self.wanted, &old).map_err(io)?;
+        }
+        if let Err(source) = fs::rename(&self.partial, &self.wanted) {
+            if replaces {
+                // Best effort: the old folder goes back to its name.
+                let _ = fs::rename(&old, &self.wanted);
+            }
+            return Err(FolderError::Io { path: self.wanted.clone(), source });
+        }
+        self.finished = true;
+        if replaces {
+            fs::remove_dir_all(&old).map_err(|source| FolderError::Io { path: old, source })
+        } else {
+            Ok(())
+        }
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if !self.finished {
+            // Nothing better can be done about a folder that cannot be removed.
+            let _ = fs::remove_dir_all(&self.partial);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fresh(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("kirimorph-folder-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    fn fill(wanted: &Path, text: &str) -> Result<(), FolderError> {
+        let folder = OutputFolder::create(wanted)?;
+        folder.write::<io::Error>("design.json", |out| out.write_all(text.as_bytes())).unwrap();
+        folder.finish()
+    }
+
+    #[test]
+    fn replaces_its_own_results_whole_and_leaves_others_alone() {
+        let base = fresh("replace");
+        let wanted = base.join("deep/out");
+        fill(&wanted, "one").unwrap();
+        fs::write(wanted.join("cut.dxf"), "old").unwrap();
+        fill(&wanted, "two").unwrap();
+        assert_eq!(fs::read_to_string(wanted.join("design.json")).unwrap(), "two");
+        assert!(!wanted.join("cut.dxf").exists(), "an old result stayed among the new ones");
+        fs::write(wanted.join("notes.txt"), "mine").unwrap();
+        assert!(
+            matches!(fill(&wanted, "three"), Err(FolderError::Occupied { found, .. }) if found == "notes.txt")
+        );
+        assert_eq!(fs::read_to_string(wanted.join("design.json")).unwrap(), "two");
+        assert_eq!(fs::read_dir(base.join("deep")).unwrap().count(), 1, "a partial folder was left");
+        fs::remove_dir_all(base).unwrap();
+    }
+
+    #[test]
+    fn leaves_nothing_when_dropped_or_refused() {
+        let base = fresh("drop");
+        drop(OutputFolder::create(&base.join("out")).unwrap());
+        assert_eq!(fs::read_dir(&base).unwrap().count(), 0);
+        fs::write(base.join("file"), "").unwrap();
+        assert!(matches!(fill(&base.join("file"), ""), Err(FolderError::NotAFolder { .. })));
+        assert!(matches!(fill(&base.join("file/below"), ""), Err(FolderError::Io { .. })));
+        fs::remove_dir_all(base).unwrap();
+    }
+}
