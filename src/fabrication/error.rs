@@ -177,7 +177,7 @@ pub enum FabricationError {
     /// Two pieces joined by a hinge overlap in the open state.
     #[error(
         "pieces {pieces:?} overlap by {area:.4} mm² when hinge {hinge} at ({x:.2}, {y:.2}) mm has turned by \
-         {angle_deg:.1} degrees: its ligament's free length is {length:.3} mm and must be at least {needed:.3} mm"
+         {angle_deg:.1} degrees: {}", hinge_remedy(*.length, *.needed)
     )]
     HingeCollision {
         /// The pieces.
@@ -214,4 +214,37 @@ pub enum FabricationError {
         /// Overlap area.
         area: f64,
     },
+}
+
+/// What frees two pieces that collide about their hinge: a longer ligament, or, where it is long enough to turn about its
+/// own centre, a hinge point in that centre.
+fn hinge_remedy(length: f64, needed: f64) -> String {
+    if length < needed {
+        return format!("its ligament's free length is {length:.3} mm and must be at least {needed:.3} mm");
+    }
+    "its ligament is long enough, but the hinge point stands off its centre; bring the design's gap (gap_mm) nearer to \
+     ligament width plus kerf, or take larger pieces"
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colliding_pieces_are_blamed_on_what_is_wrong() {
+        let collision = |length: f64| FabricationError::HingeCollision {
+            pieces: [0, 24],
+            hinge: 1,
+            x: 12.76,
+            y: 13.63,
+            area: 0.0543,
+            angle_deg: 80.5,
+            length,
+            needed: 0.423,
+        };
+        let (short, long) = (collision(0.4).to_string(), collision(0.88).to_string());
+        assert!(short.ends_with("free length is 0.400 mm and must be at least 0.423 mm"), "{short}");
+        assert!(long.contains("gap_mm") && !long.contains("must be at least"), "{long}");
+    }
 }

@@ -6,6 +6,9 @@ use std::f64::consts::PI;
 /// Turning is measured over this share of the perimeter on both sides of a vertex, so that the mesh's own
 /// facets do not count as corners.
 const WINDOW: f64 = 0.025;
+/// On narrow outlines it is measured over this multiple of area / perimeter (half the width of a strip) instead, so that
+/// the two corners of a short side are told apart. On a square both measures are the same.
+const NARROW_WINDOW: f64 = 0.4;
 /// Least turning at a corner.
 const CORNER_TURN: f64 = 50.0 * PI / 180.0;
 /// Largest turning away from corners.
@@ -29,7 +32,8 @@ pub fn four_corners(outline: &[Point2], axis: &Vector2) -> Option<[Vec<Point2>; 
         let t = (s - lengths[i]) / (lengths[i + 1] - lengths[i]).max(f64::MIN_POSITIVE);
         outline[i] + (outline[(i + 1) % n] - outline[i]) * t
     };
-    let reach = WINDOW * perimeter;
+    let doubled: f64 = (0..n).map(|i| outline[i].coords.perp(&outline[(i + 1) % n].coords)).sum();
+    let reach = (WINDOW * perimeter).min(NARROW_WINDOW * 0.5 * doubled.abs() / perimeter);
     let turns: Vec<f64> = (0..n)
         .map(|i| {
             let (before, after) = (outline[i] - at(lengths[i] - reach), at(lengths[i] + reach) - outline[i]);
@@ -93,6 +97,26 @@ mod tests {
                 })
                 .collect();
             assert!(four_corners(&outline, &Vector2::x()).is_none(), "{corners} corners");
+        }
+    }
+
+    #[test]
+    fn a_strip_of_any_length_has_four() {
+        for length in [1, 8, 10, 40] {
+            let along = |from: [f64; 2], to: [f64; 2], steps: usize| {
+                (0..steps).map(move |k| {
+                    let t = k as f64 / steps as f64;
+                    Point2::new(from[0] + (to[0] - from[0]) * t, from[1] + (to[1] - from[1]) * t)
+                })
+            };
+            let (long, l) = (10 * length, length as f64);
+            let outline: Vec<Point2> = along([0.0, 0.0], [l, 0.0], long)
+                .chain(along([l, 0.0], [l, 1.0], 10))
+                .chain(along([l, 1.0], [0.0, 1.0], long))
+                .chain(along([0.0, 1.0], [0.0, 0.0], 10))
+                .collect();
+            let sides = four_corners(&outline, &Vector2::x()).expect("four corners");
+            assert_eq!(sides.map(|side| side.len()), [long + 1, 11, long + 1, 11], "{length} : 1");
         }
     }
 
