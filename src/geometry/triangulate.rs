@@ -16,7 +16,7 @@ pub struct Surface {
     pub mesh: TriMesh,
     /// #F: the face of the source that each triangle is part of.
     pub face_of: Vec<usize>,
-    /// #V: the vertex of the source that each vertex was.
+    /// The vertex of the source that each vertex was. Vertices beyond are the centres of warped faces.
     pub vertex_of: Vec<usize>,
 }
 
@@ -74,8 +74,9 @@ pub enum TriangulateError {
 
 /// Splits the faces of `mesh` into triangles, scales them by `scale` to millimetres, and drops unused vertices.
 ///
-/// Triangles keep the direction of their face. A polygon is split along its shortest diagonals, as seen along
-/// its mean normal; a quad along the shorter one, if both parts then face the same way.
+/// Triangles keep the direction of their face. A flat polygon is split along its shortest diagonals, as seen along its
+/// mean normal; a quad along the shorter one, if both parts then face the same way. A warped face is split from its
+/// centre: no diagonal is then preferred, and a surface is the same whichever corner a face starts with.
 ///
 /// # Errors
 /// Names the face or vertex, counted as in the file.
@@ -103,12 +104,38 @@ pub fn triangulate(mesh: &PolyMesh, scale: f64) -> Result<Surface, TriangulateEr
             Fault::ZeroArea => TriangulateError::ZeroArea { face, at },
             Fault::SelfCrossing => TriangulateError::SelfCrossing { face, at },
         })?;
-        for triangle in triangles {
-            surface.mesh.faces.push(triangle.map(|i| corners[i]));
-            surface.face_of.push(face);
-        }
+        let centre = fan_centre(&points).map(|centre| {
+            surface.mesh.vertices.push(centre);
+            surface.mesh.vertices.len() - 1
+        });
+        let n = corners.len();
+        let triangles: Vec<[usize; 3]> = match centre {
+            Some(centre) => (0..n).map(|i| [corners[i], corners[(i + 1) % n], centre]).collect(),
+            None => triangles.iter().map(|triangle| triangle.map(|i| corners[i])).collect(),
+        };
+        surface.face_of.extend(triangles.iter().map(|_| face));
+        surface.mesh.faces.extend(triangles);
     }
     Ok(surface)
+}
+
+/// Faces whose corners lie further off their mean plane than this part of their size are warped: far above the digits
+/// that files keep, far below what can be seen.
+const WARPED: f64 = 1e-5;
+
+/// The mean of a warped polygon's corners, if all triangles from there face the polygon's way; `None` for flat ones.
+fn fan_centre(points: &[Point3]) -> Option<Point3> {
+    let n = points.len();
+    let centre = Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / n as f64);
+    let spoke = |i: usize| points[i % n] - centre;
+    let normal: Vector3 = (0..n).map(|i| spoke(i).cross(&spoke(i + 1))).sum();
+    let size = (0..n).map(|i| spoke(i).norm()).fold(0.0, f64::max);
+    let normal = normal.try_normalize(0.0)?;
+    let warp = (0..n).map(|i| spoke(i).dot(&normal).abs()).fold(0.0, f64::max);
+    // Each triangle must keep a hundredth of its share of the area: no slivers.
+    let least = 0.01 * size * size / n as f64;
+    let faces_along = (0..n).all(|i| spoke(i).cross(&spoke(i + 1)).dot(&normal) > least);
+    (n > 3 && warp > WARPED * size && faces_along).then_some(centre)
 }
 
 /// A surface without faces that has the vertices of the faces of `mesh`, in their order.
