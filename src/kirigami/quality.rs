@@ -59,7 +59,7 @@ impl Default for Limits {
             length_error: 1e-8,
             planarity: 1e-4,
             distance_edges: 0.1,
-            boundary_cells: 1.5,
+            boundary_cells: 2.0,
             edge_deviation: 0.1,
         }
     }
@@ -67,7 +67,7 @@ impl Default for Limits {
 
 /// A limit that a design breaks.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{what} is {value:.3e} {unit}, more than the limit of {limit:.3e} {unit}: {remedy}")]
+#[error("{what} is {}{unit}, more than the limit of {}{unit}: {remedy}", figure(*.value), figure(*.limit))]
 pub struct Shortfall {
     /// Which figure.
     pub what: &'static str,
@@ -79,6 +79,11 @@ pub struct Shortfall {
     pub unit: &'static str,
     /// What the user can do.
     pub remedy: &'static str,
+}
+
+/// A figure with three digits, as a person writes it.
+fn figure(value: f64) -> String {
+    if value.abs() >= 1e-3 { format!("{value:.3}") } else { format!("{value:.1e}") }
 }
 
 /// Measures a design against its target. `filled` is the open pattern with its holes filled
@@ -134,20 +139,20 @@ impl Quality {
         let cell = std::f64::consts::SQRT_2 * self.mean_edge;
         let rows = [
             ("the largest relative length error", self.max_length_error, limits.length_error, "", RIGID),
-            ("the largest bending of a piece", self.planarity, limits.planarity, "edges", RIGID),
+            ("the largest bending of a piece", self.planarity, limits.planarity, " edges", RIGID),
             (
                 "the largest distance from the target",
                 self.distance_max / self.mean_edge,
                 limits.distance_edges,
-                "edges",
+                " edges",
                 FIT,
             ),
-            ("the largest gap in the cover", self.coverage_max / cell, limits.boundary_cells, "pieces", FIT),
+            ("the largest gap in the cover", self.coverage_max / cell, limits.boundary_cells, " pieces", FIT),
             (
                 "the largest distance between the boundaries",
                 self.boundary_max / cell,
                 limits.boundary_cells,
-                "pieces",
+                " pieces",
                 FIT,
             ),
             (

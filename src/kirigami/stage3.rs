@@ -37,7 +37,7 @@ impl Default for Weights {
     /// decide only what the hard ones leave free. Without them pieces at the border become slivers and hinges turn by up to
     /// 180 degrees.
     fn default() -> Self {
-        Self { prox: 0.4, boundary: 0.1, fair: 1e-3, opening: 1e-3, rectangles: 1e-3, sides: 1e-4 }
+        Self { prox: 0.6, boundary: 0.05, fair: 1e-3, opening: 1e-3, rectangles: 1e-3, sides: 1e-4 }
     }
 }
 
