@@ -147,7 +147,8 @@ fn domes_saddles_and_cylinders_reach_the_limits() {
 fn figures(solved: &Solved, unit: f64) -> Vec<f64> {
     let q = &solved.quality;
     let angles = solved.design.hinges.iter().map(|hinge| hinge.angle);
-    let mut figures = vec![q.mean_edge / unit, q.area_expansion, q.distance_max / unit, q.coverage_max / unit];
+    let mut figures =
+        vec![q.mean_edge / unit, q.area_expansion, q.distance_max / unit, q.coverage_max / unit];
     figures.extend(angles);
     figures
 }
@@ -157,7 +158,8 @@ fn rigid_motions_and_scale_change_nothing() {
     let mesh = dome(100.0);
     let reference = figures(&solve(&mesh, [8, 8], [SQRT_2; 2], 0.4), 100.0);
     let motion = nalgebra::Isometry3::new(Vector3::new(300.0, -40.0, 7.0), Vector3::new(0.4, -0.7, 1.9));
-    let moved = TriMesh { vertices: mesh.vertices.iter().map(|p| motion * p).collect(), faces: mesh.faces.clone() };
+    let moved =
+        TriMesh { vertices: mesh.vertices.iter().map(|p| motion * p).collect(), faces: mesh.faces.clone() };
     let scaled =
         TriMesh { vertices: mesh.vertices.iter().map(|p| p * 0.01).collect(), faces: mesh.faces.clone() };
     for (what, other, unit, gap) in [("moved", moved, 100.0, 0.4), ("scaled", scaled, 1.0, 0.004)] {
