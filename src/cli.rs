@@ -76,7 +76,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version are no errors; a usage error is 1, where clap says 2. Nothing can be done about a closed pipe.
+            // Help and version are no errors; a usage error is 1, where clap says 2. Nothing can be done
+            // about a closed pipe.
             let _ = error.print();
             return if error.use_stderr() { ExitCode::from(1) } else { ExitCode::SUCCESS };
         }

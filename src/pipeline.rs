@@ -25,8 +25,9 @@ use crate::kirigami::{hinges, stage2, stage3};
 use crate::output::design_json::Stage;
 use crate::solver;
 
-/// Targets whose conformal flattening stretches more unevenly than this are refused before optimising: turning pieces
-/// stretch a sheet by 1 at least and by less than 3 at most (section 2.2 of the paper's model: m1 + m2 < 4, both >= 1).
+/// Targets whose conformal flattening stretches more unevenly than this are refused before optimising:
+/// turning pieces stretch a sheet by 1 at least and by less than 3 at most (section 2.2 of the paper's model:
+/// m1 + m2 < 4, both >= 1).
 pub const MOST_STRETCH_RATIO: f64 = 3.0;
 
 /// Piece polygons must be at least this many hinge gaps wide, so that ligaments and slits find room.
@@ -248,8 +249,8 @@ fn read_target(job: &Job, path: &Path) -> Result<TriMesh, PipelineError> {
     Ok(surface.mesh)
 }
 
-/// The direction in the flattening that comes nearest to the target's x axis (y, where the target has no extent in x):
-/// the mean gradient of that coordinate.
+/// The direction in the flattening that comes nearest to the target's x axis (y, where the target has no
+/// extent in x): the mean gradient of that coordinate.
 fn first_axis(mesh: &TriMesh, flat: &[crate::geometry::Point2]) -> Vector2 {
     let mut sums = [Vector2::zeros(), Vector2::zeros()];
     let mut total = 0.0;
@@ -271,7 +272,8 @@ fn first_axis(mesh: &TriMesh, flat: &[crate::geometry::Point2]) -> Vector2 {
     }
 }
 
-/// Hashes by name: FNV-1a, 64 bits, of the bytes of the job file and the target, to tell files of one design from others'.
+/// Hashes by name: FNV-1a, 64 bits, of the bytes of the job file and the target, to tell files of one design
+/// from others'.
 pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
     let fnv = |bytes: &[u8]| {
         bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {

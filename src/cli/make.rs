@@ -148,7 +148,8 @@ fn write_timings(timings: &Timings, out: &mut BufWriter<File>) -> Result<(), Wri
     Ok(writeln!(out)?)
 }
 
-/// The figures by which a person judges the result: label and value, short enough for one line of the preview.
+/// The figures by which a person judges the result: label and value, short enough for one line of the
+/// preview.
 fn figures(made: &Made) -> Vec<(String, String)> {
     let Made { fabrication, quality, .. } = made;
     let hinges = &fabrication.hinges;
@@ -160,8 +161,8 @@ fn figures(made: &Made) -> Vec<(String, String)> {
         ("pieces, hinges", format!("{}, {}", fabrication.design.pieces.len(), hinges.len())),
         ("mean edge", format!("{:.3} mm", quality.mean_edge)),
         ("asked edge", format!("{:.3} mm", quality.asked_edge)),
-        ("length error", format!("{:.1e} (limit 1e-8)", quality.max_length_error)),
-        ("bending", format!("{:.1e} edges (limit 1e-4)", quality.planarity)),
+        ("length error", format!("{:.1e} relative", quality.max_length_error)),
+        ("bending", format!("{:.1e} edges", quality.planarity)),
         ("off the target", format!("{:.3} mm", quality.distance_max)),
         ("off, of diagonal", format!("{:.1e}", quality.distance_max / quality.target_diagonal)),
         (

@@ -1,10 +1,11 @@
 //! Flattening of a disk: a conformal map to predict the stretch, and the as-rigid-as-possible map of Stage 1.
 //!
 //! The conformal map keeps the lengths of the boundary, which makes the area distortion least (B. Springborn,
-//! P. Schröder, U. Pinkall 2008; R. Sawhney, K. Crane, *Boundary First Flattening*, 2017). With the
-//! positive semidefinite cotangent Laplacian `L` (see [`super::cotangent`]), angle defects `K` and logarithmic
-//! scale `u`: `L u = -K` inside, `u = 0` on the boundary. The as-rigid-as-possible map alternates best rotations
-//! per triangle with one linear solve (L. Liu et al., *A local/global approach to mesh parameterization*, 2008).
+//! P. Schröder, U. Pinkall 2008; R. Sawhney, K. Crane, *Boundary First Flattening*, 2017). With the positive
+//! semidefinite cotangent Laplacian `L` (see [`super::cotangent`]), angle defects `K` and logarithmic scale
+//! `u`: `L u = -K` inside, `u = 0` on the boundary. The as-rigid-as-possible map alternates best rotations
+//! per triangle with one linear solve (L. Liu et al., *A local/global approach to mesh parameterization*,
+//! 2008).
 
 use super::cotangent::{corner_angles, half_cotangents};
 use super::mesh::TriMesh;

@@ -44,7 +44,8 @@ impl RigidMotion {
     }
 }
 
-/// Axis (unit) and angle (0 to pi) of a proper rotation: counter-clockwise by the angle seen against the axis.
+/// Axis (unit) and angle (0 to pi) of a proper rotation: counter-clockwise by the angle seen against the
+/// axis.
 ///
 /// `None` for the axis where the rotation is too close to the identity to have one.
 pub fn axis_angle(rotation: &Matrix3<f64>) -> (Option<Vector3>, f64) {

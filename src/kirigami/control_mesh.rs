@@ -1,9 +1,9 @@
 //! Stage 1: the pair of control meshes V (closed) and V' (open).
 //!
-//! Black vertices are piece centres, white ones the corners of closed pieces; each edge between two pieces is one
-//! control face (section 3.1 and Fig. 7 of the paper). The regular grids V0 (cells a x b) and V0' (cells w x w)
-//! correspond with the user's principal stretches. V0 lies in the plane as it is; V0' is laid into the target by the
-//! inverse of its as-rigid-as-possible flattening.
+//! Black vertices are piece centres, white ones the corners of closed pieces; each edge between two pieces is
+//! one control face (section 3.1 and Fig. 7 of the paper). The regular grids V0 (cells a x b) and V0' (cells
+//! w x w) correspond with the user's principal stretches. V0 lies in the plane as it is; V0' is laid into the
+//! target by the inverse of its as-rigid-as-possible flattening.
 
 use super::cover::Cover;
 use crate::geometry::boundary::BoundaryCurve;
@@ -64,7 +64,8 @@ pub fn stage1(cover: &Cover, target: &TriMesh, flat: &[Point2]) -> ControlMesh {
     }
 }
 
-/// The map from the flattening's plane back to the target; beyond the boundary the nearest triangle's map goes on.
+/// The map from the flattening's plane back to the target; beyond the boundary the nearest triangle's map
+/// goes on.
 struct Lift<'a> {
     flat: ClosestPoints,
     target: &'a TriMesh,

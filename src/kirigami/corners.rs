@@ -3,8 +3,8 @@
 use crate::geometry::{Point2, Vector2};
 use std::f64::consts::PI;
 
-/// Turning is measured over this share of the perimeter on both sides of a vertex, so that the mesh's own facets do
-/// not count as corners.
+/// Turning is measured over this share of the perimeter on both sides of a vertex, so that the mesh's own
+/// facets do not count as corners.
 const WINDOW: f64 = 0.025;
 /// Least turning at a corner.
 const CORNER_TURN: f64 = 50.0 * PI / 180.0;
@@ -13,9 +13,9 @@ const SIDE_TURN: f64 = 35.0 * PI / 180.0;
 /// Opposite sides may differ by this factor.
 const SIDE_RATIO: f64 = 1.25;
 
-/// The four sides of a counter-clockwise outline that has exactly four corners, as polylines from corner to corner,
-/// counter-clockwise; the first is the one whose direction comes nearest to `axis`. `None` where the outline is not of
-/// this kind.
+/// The four sides of a counter-clockwise outline that has exactly four corners, as polylines from corner to
+/// corner, counter-clockwise; the first is the one whose direction comes nearest to `axis`. `None` where the
+/// outline is not of this kind.
 pub fn four_corners(outline: &[Point2], axis: &Vector2) -> Option<[Vec<Point2>; 4]> {
     let n = outline.len();
     let mut lengths = vec![0.0; n + 1];

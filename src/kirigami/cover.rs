@@ -1,8 +1,8 @@
 //! Covers a flattened target with the pattern's grid of square open cells.
 //!
-//! Where the outline has four corners and opposite sides of similar length, the grid follows the outline: its four
-//! sides lie on the four sides of the target. Otherwise a straight grid covers the outline's smallest bounding
-//! rectangle, and cells that lie outside by more than a sixth are left away.
+//! Where the outline has four corners and opposite sides of similar length, the grid follows the outline: its
+//! four sides lie on the four sides of the target. Otherwise a straight grid covers the outline's smallest
+//! bounding rectangle, and cells that lie outside by more than a sixth are left away.
 
 use super::corners::four_corners;
 use super::piece_mesh::PieceMesh;
@@ -99,11 +99,12 @@ pub enum CoverError {
 /// Most pieces that are accepted.
 pub const MOST_PIECES: usize = 1_000_000;
 
-/// A piece side must be at least this many gaps long: the hinge polygon then keeps three quarters of its side.
+/// A piece side must be at least this many gaps long: the hinge polygon then keeps three quarters of its
+/// side.
 const LEAST_SIDE_IN_GAPS: f64 = 4.0;
 
-/// Lays the grid. `outline` is the flattened boundary, counter-clockwise; `first` the direction in the plane that
-/// the grid's first axis should come nearest to.
+/// Lays the grid. `outline` is the flattened boundary, counter-clockwise; `first` the direction in the plane
+/// that the grid's first axis should come nearest to.
 ///
 /// # Errors
 /// [`CoverError`] where too few or too many pieces fit, or the pieces are too small for the gap.
@@ -218,8 +219,8 @@ fn convex_hull(points: &[Point2]) -> Vec<Point2> {
     hull
 }
 
-/// Cells along the two directions of a grid that follows the outline: what the user asked for, unless cells would then be
-/// far from square; else as many as make their mean area that of the wanted cell.
+/// Cells along the two directions of a grid that follows the outline: what the user asked for, unless cells
+/// would then be far from square; else as many as make their mean area that of the wanted cell.
 fn fitted_counts(sides: &[Vec<Point2>; 4], size: PieceSize, open: f64, area: f64) -> [i32; 2] {
     let lengths = [0, 1].map(|i| 0.5 * (length(&sides[i]) + length(&sides[i + 2])));
     if let PieceSize::Counts([nx, ny]) = size {
@@ -251,8 +252,8 @@ fn fitted(sides: &[Vec<Point2>; 4], [nx, ny]: [i32; 2], cell: ModelCell) -> Cove
     build(&cells, patch, cell, true)
 }
 
-/// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of several
-/// positions of the grid the one is taken that leaves the smallest gap to the outline.
+/// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of
+/// several positions of the grid the one is taken that leaves the smallest gap to the outline.
 fn trimmed(outline: &[Point2], frame: &Frame, cell: ModelCell) -> Cover {
     let local: Vec<Point2> = outline.iter().map(|p| frame.local(p) / cell.open).collect();
     let shifts = (0..SHIFTS * SHIFTS).map(|k| {
@@ -455,7 +456,8 @@ mod tests {
         let cover = cover(&outline, &Vector2::x(), PieceSize::Edge(1.0), [SQRT_2; 2], 0.0).unwrap();
         assert!(!cover.follows_outline);
         let area = cover.mesh.pieces.len() as f64 * cover.cell.open.powi(2);
-        // Border cells lie inside by two thirds or more, so a cell a side goes missing at most: perimeter / side = 44.
+        // Border cells lie inside by two thirds or more, so a cell a side goes missing at most: perimeter /
+        // side = 44.
         assert!((area / (100.0 * PI) - 1.0).abs() < 0.15 && area < 100.0 * PI, "{area}");
         // One boundary, no pinch: around every border corner there is exactly one fan.
         for (corner, fan) in cover.mesh.fans.iter().enumerate() {

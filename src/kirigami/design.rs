@@ -43,8 +43,8 @@ pub struct Hinge {
     pub point: Point3,
     /// Unit axis in the frame of the sheet state.
     pub axis: Vector3,
-    /// Turning angle in radians, >= 0: about `axis` it takes piece j's view of piece k from the sheet state to
-    /// the other.
+    /// Turning angle in radians, >= 0: about `axis` it takes piece j's view of piece k from the sheet state
+    /// to the other.
     pub angle: f64,
 }
 

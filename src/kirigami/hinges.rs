@@ -6,8 +6,8 @@ use super::stage3::Pattern;
 use crate::geometry::rotation::{RigidMotion, axis_angle};
 use crate::geometry::{Point3, Vector3};
 
-/// Assembles the design of a sheet that is flat in its closed state: pieces in the pattern's order, one hinge per inner
-/// edge in the edges' order.
+/// Assembles the design of a sheet that is flat in its closed state: pieces in the pattern's order, one hinge
+/// per inner edge in the edges' order.
 pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64) -> Design {
     let pieces: Vec<Piece> = mesh
         .pieces
@@ -46,8 +46,8 @@ pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64) -> Design {
     }
 }
 
-/// Axis and angle of the rotation `A_j^-1 A_k`: seen from piece j, piece k turns by the angle about the axis, from the
-/// closed to the open state. A hinge that does not turn gets the sheet's normal as its axis.
+/// Axis and angle of the rotation `A_j^-1 A_k`: seen from piece j, piece k turns by the angle about the axis,
+/// from the closed to the open state. A hinge that does not turn gets the sheet's normal as its axis.
 pub fn relative_turn(motion_j: &RigidMotion, motion_k: &RigidMotion) -> (Vector3, f64) {
     let (axis, angle) = axis_angle(&(motion_j.rotation.transpose() * motion_k.rotation));
     (axis.unwrap_or_else(Vector3::z), angle)
@@ -60,7 +60,8 @@ mod tests {
 
     #[test]
     fn piece_k_turns_about_the_axis_as_piece_j_sees_it() {
-        // Motions of j and k about a common hinge point, with k turned further about a tilted axis in j's frame.
+        // Motions of j and k about a common hinge point, with k turned further about a tilted axis in j's
+        // frame.
         let hinge = Point3::new(3.0, 1.0, 0.0);
         let axis = Vector3::new(0.05, -0.03, 1.0).normalize();
         let (angle, j_rotation) = (1.4, *Rotation3::from_euler_angles(0.3, 0.2, -0.7).matrix());

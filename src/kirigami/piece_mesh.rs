@@ -1,10 +1,10 @@
 //! Combinatorics of a rotating-piece pattern: which pieces, which corners, which edge carries which hinge.
 //!
-//! Pieces tile the closed sheet. Neighbours turn in opposite senses. A piece that turns counter-clockwise has, on
-//! every edge, its hinge at the edge's start (edges run counter-clockwise around the piece); a clockwise one at the
-//! edge's end. Neighbours run through their common edge in opposite directions, so they agree. Each vertex of a
-//! piece therefore belongs to exactly one of its edges: the *owned* edge. At the sheet's border the owned edge
-//! has no neighbour and the vertex is free.
+//! Pieces tile the closed sheet. Neighbours turn in opposite senses. A piece that turns counter-clockwise
+//! has, on every edge, its hinge at the edge's start (edges run counter-clockwise around the piece); a
+//! clockwise one at the edge's end. Neighbours run through their common edge in opposite directions, so they
+//! agree. Each vertex of a piece therefore belongs to exactly one of its edges: the *owned* edge. At the
+//! sheet's border the owned edge has no neighbour and the vertex is free.
 
 use std::collections::BTreeMap;
 
@@ -179,7 +179,8 @@ impl PieceMesh {
 
 /// Orders the edges around every corner.
 fn fans(corner_count: usize, pieces: &[Vec<usize>], sides: &[Vec<usize>]) -> Vec<Fan> {
-    // Counter-clockwise around a corner, each piece leads from its side that leaves the corner to the one that arrives.
+    // Counter-clockwise around a corner, each piece leads from its side that leaves the corner to the one
+    // that arrives.
     let mut next: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); corner_count];
     for (corners, sides) in pieces.iter().zip(sides) {
         let n = corners.len();

@@ -22,7 +22,8 @@ pub struct Quality {
     pub distance_max: f64,
     /// Largest distance of a piece's centre from the target: what flat pieces cost on a curved surface.
     pub sagitta_max: f64,
-    /// Largest distance of a point of the target (vertices and face centres) from the open pattern, holes filled.
+    /// Largest distance of a point of the target (vertices and face centres) from the open pattern, holes
+    /// filled.
     pub coverage_max: f64,
     /// Largest distance between the target's boundary and the pattern's, either way.
     pub boundary_max: f64,
@@ -241,8 +242,8 @@ fn area(mesh: &TriMesh) -> f64 {
     mesh.faces.iter().map(triangle).sum()
 }
 
-/// Largest distance between the boundary of the filled pattern and the target's, measured from the vertices of each to
-/// the other's curve.
+/// Largest distance between the boundary of the filled pattern and the target's, measured from the vertices
+/// of each to the other's curve.
 fn boundary_distance(filled: &PolyMesh, triangles: &TriMesh, target: &Target) -> f64 {
     let Ok(border) = disk(&filled.faces) else { return f64::NAN };
     let curve = crate::geometry::boundary::BoundaryCurve::new(triangles, &border.boundary);

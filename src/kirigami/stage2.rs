@@ -1,7 +1,7 @@
 //! Stage 2: control meshes of the right local dimensions (section 3.2).
 //!
-//! Levenberg-Marquardt over both control meshes: orthogonal diagonals, square open faces, constant mean stretch, closeness
-//! to the target and to its boundary, fairness.
+//! Levenberg-Marquardt over both control meshes: orthogonal diagonals, square open faces, constant mean
+//! stretch, closeness to the target and to its boundary, fairness.
 
 use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
@@ -28,8 +28,8 @@ pub struct Weights {
 }
 
 impl Default for Weights {
-    /// The paper's hard weights; closeness ten times the paper's and fairness a tenth of it, because the pattern then
-    /// stays on the target at its size instead of shrinking.
+    /// The paper's hard weights; closeness ten times the paper's and fairness a tenth of it, because the
+    /// pattern then stays on the target at its size instead of shrinking.
     fn default() -> Self {
         Self { orth: 1.0, geom: 1.0, prox: 0.1, boundary: 0.1, fair: 0.001 }
     }
@@ -61,8 +61,8 @@ impl Unknowns {
 
 /// Optimises a pair of control meshes.
 ///
-/// `gap` is the distance between the two hinge points of a corner, millimetres; `progress` receives the iteration and the
-/// energy.
+/// `gap` is the distance between the two hinge points of a corner, millimetres; `progress` receives the
+/// iteration and the energy.
 pub fn stage2(
     cover: &Cover,
     start: &ControlMesh,
@@ -100,8 +100,8 @@ pub fn stage2(
     (unpack(&x, &at, scale), report)
 }
 
-/// What border points are held to: the target's boundary where the grid follows the outline; else the place, measured
-/// across the boundary, where they are now, or the boundary itself if they are outside.
+/// What border points are held to: the target's boundary where the grid follows the outline; else the place,
+/// measured across the boundary, where they are now, or the boundary itself if they are outside.
 pub(super) fn holds(
     points: impl Iterator<Item = Point3>,
     target: &Target,
@@ -142,8 +142,8 @@ fn faces(mesh: &PieceMesh, at: &Unknowns) -> Vec<(Diagonals, Diagonals)> {
         .collect()
 }
 
-/// Second differences, Eq. (6), along the mesh polylines: through quad pieces from corner to corner and through inner
-/// corners from piece to piece. In the plane (closed) or in space (open).
+/// Second differences, Eq. (6), along the mesh polylines: through quad pieces from corner to corner and
+/// through inner corners from piece to piece. In the plane (closed) or in space (open).
 fn fairness(mesh: &PieceMesh, at: &Unknowns, dimension: usize) -> LinearTerm {
     let corner = |i| if dimension == 2 { at.closed_corner(i) } else { at.open_corner(i) };
     let centre = |i| if dimension == 2 { at.closed_centre(i) } else { at.open_centre(i) };
@@ -157,7 +157,8 @@ fn fairness(mesh: &PieceMesh, at: &Unknowns, dimension: usize) -> LinearTerm {
     }
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); mesh.corner_count];
     for (c, fan) in mesh.fans.iter().enumerate().filter(|(_, fan)| fan.closed && fan.edges.len() == 4) {
-        // The piece between two consecutive edges of the fan lies on the left of the first one as it leaves the corner.
+        // The piece between two consecutive edges of the fan lies on the left of the first one as it leaves
+        // the corner.
         around[c] = fan
             .edges
             .iter()

@@ -1,9 +1,10 @@
 //! Stage 3: pieces that are congruent in both states (section 3.3).
 //!
-//! The unknowns are the corner midpoints of the closed sheet (in the plane) and one open point per edge: the hinge that
-//! the edge carries, shared by its two pieces, so that Eq. (8) holds exactly. The two hinges of a closed corner stand
-//! `gap` apart: at the midpoint plus and minus gap/2 along the unit normal of the slit that passes between them. The
-//! normals are taken from the closed sheet before each phase and stay fixed while it runs.
+//! The unknowns are the corner midpoints of the closed sheet (in the plane) and one open point per edge: the
+//! hinge that the edge carries, shared by its two pieces, so that Eq. (8) holds exactly. The two hinges of a
+//! closed corner stand `gap` apart: at the midpoint plus and minus gap/2 along the unit normal of the slit
+//! that passes between them. The normals are taken from the closed sheet before each phase and stay fixed
+//! while it runs.
 
 use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
@@ -33,9 +34,9 @@ pub struct Weights {
 }
 
 impl Default for Weights {
-    /// Found on eight targets with 12 to 40 pieces a side. The three shape terms are a thousandth or less of the hard ones: they
-    /// decide only what the hard ones leave free. Without them pieces at the border become slivers and hinges turn by up to
-    /// 180 degrees.
+    /// Found on eight targets with 12 to 40 pieces a side. The three shape terms are a thousandth or less of
+    /// the hard ones: they decide only what the hard ones leave free. Without them pieces at the border
+    /// become slivers and hinges turn by up to 180 degrees.
     fn default() -> Self {
         Self { prox: 0.6, boundary: 0.05, fair: 1e-3, opening: 1e-3, rectangles: 1e-3, sides: 1e-4 }
     }
@@ -59,8 +60,8 @@ impl Pattern {
     }
 }
 
-/// Offsets of the closed hinge points: half the gap along the normal of the slit that passes the hinge's corner, towards
-/// the edge's other end. Zero where no slit passes.
+/// Offsets of the closed hinge points: half the gap along the normal of the slit that passes the hinge's
+/// corner, towards the edge's other end. Zero where no slit passes.
 pub fn hinge_offsets(mesh: &PieceMesh, corners: &[Point2], gap: f64) -> Vec<Vector2> {
     (0..mesh.edges.len())
         .map(|e| {
@@ -81,8 +82,8 @@ pub fn hinge_offsets(mesh: &PieceMesh, corners: &[Point2], gap: f64) -> Vec<Vect
         .collect()
 }
 
-/// The start of Stage 3: the open hinge of an edge divides the open cell's side as in the model cell (section 2.1: the part
-/// next to the hinge's corner is the other side's share of a + b).
+/// The start of Stage 3: the open hinge of an edge divides the open cell's side as in the model cell (section
+/// 2.1: the part next to the hinge's corner is the other side's share of a + b).
 pub fn initial_pattern(cover: &Cover, control: &ControlMesh, gap: f64) -> Pattern {
     let mesh = &cover.mesh;
     let [a, b] = cover.cell.closed;
@@ -99,7 +100,8 @@ pub fn initial_pattern(cover: &Cover, control: &ControlMesh, gap: f64) -> Patter
     Pattern { offsets: hinge_offsets(mesh, &corners, gap), corners, open }
 }
 
-/// Optimises the pattern: a soft phase with fairness, one without, and a hard phase of isometry and planarity alone.
+/// Optimises the pattern: a soft phase with fairness, one without, and a hard phase of isometry and planarity
+/// alone.
 ///
 /// Returns the pattern and one report per phase. `progress` receives the iteration and the energy.
 pub fn stage3(
@@ -141,12 +143,13 @@ struct Phase {
     options: Options,
 }
 
-/// The hard phase stops at this sum of squared residuals: relative length errors near 1e-15 for a few thousand pieces.
+/// The hard phase stops at this sum of squared residuals: relative length errors near 1e-15 for a few
+/// thousand pieces.
 const HARD_FLOOR: f64 = 1e-28;
 
-/// The phases of Stage 3: factor of closeness and boundary, factor of fairness, most iterations, and the relative decrease
-/// below which a phase ends. Closeness first gains and then phases out, so that the hard phase has little left to correct;
-/// fairness phases out throughout.
+/// The phases of Stage 3: factor of closeness and boundary, factor of fairness, most iterations, and the
+/// relative decrease below which a phase ends. Closeness first gains and then phases out, so that the hard
+/// phase has little left to correct; fairness phases out throughout.
 const SOFT_PHASES: [(f64, f64, usize, f64); 5] = [
     (1.0, 1.0, 12, 1e-2),
     (2.0, 0.2, 12, 1e-3),
@@ -226,7 +229,8 @@ fn pieces(mesh: &PieceMesh, at: &Unknowns, offsets: &[Vector2], scale: f64) -> V
         .collect()
 }
 
-/// For every inner edge its open hinge and the far ends of the sides that the two pieces turn to the slit along it.
+/// For every inner edge its open hinge and the far ends of the sides that the two pieces turn to the slit
+/// along it.
 fn hinge_sides(mesh: &PieceMesh, at: &Unknowns) -> Vec<[PointAt; 3]> {
     let far = |piece: usize, edge: usize| {
         let owned = &mesh.owned[piece];
@@ -258,8 +262,8 @@ fn border_sides(cover: &Cover, at: &Unknowns) -> Vec<([PointAt; 2], f64)> {
 
 /// Fairness of the closed corners, Eq. (6), and of the open hinges, Eq. (9).
 ///
-/// Consecutive open hinges on a line of the grid lie sqrt 2 times the passing slit's half length apart, so s is the ratio of
-/// these lengths at the two corners between three hinges: a/b and b/a, alternately.
+/// Consecutive open hinges on a line of the grid lie sqrt 2 times the passing slit's half length apart, so s
+/// is the ratio of these lengths at the two corners between three hinges: a/b and b/a, alternately.
 fn fairness(cover: &Cover, at: &Unknowns) -> [LinearTerm; 2] {
     let mesh = &cover.mesh;
     let mut closed = Vec::new();

@@ -1,8 +1,8 @@
-//! The residual terms of Stages 2 and 3, Eqs. (4) to (9) of the paper, with the boundary and planarity terms that
-//! keep the pattern from collapsing and from bending its pieces.
+//! The residual terms of Stages 2 and 3, Eqs. (4) to (9) of the paper, with the boundary and planarity terms
+//! that keep the pattern from collapsing and from bending its pieces.
 //!
-//! Unknowns are numbers; a point of a state is a run of two (plane) or three (space) of them. All terms are in units in
-//! which the mean edge is 1.
+//! Unknowns are numbers; a point of a state is a run of two (plane) or three (space) of them. All terms are
+//! in units in which the mean edge is 1.
 
 use super::control_mesh::Target;
 use crate::geometry::{Point3, Vector3};
@@ -79,8 +79,8 @@ impl Term for LinearTerm {
     }
 }
 
-/// A control face in one state: its white diagonal (along the edge between two pieces) and its black one (from piece
-/// centre to piece centre), each as a linear combination of the face's points.
+/// A control face in one state: its white diagonal (along the edge between two pieces) and its black one
+/// (from piece centre to piece centre), each as a linear combination of the face's points.
 #[derive(Debug, Clone)]
 pub struct Diagonals {
     /// Points with their coefficients in the white and in the black diagonal.
@@ -88,8 +88,8 @@ pub struct Diagonals {
 }
 
 impl Diagonals {
-    /// The face of the edge from `p` to `q` between the pieces centred at `c1` and `c2`; at the border `c2` is the mirror
-    /// image of `c1` in the edge's midpoint.
+    /// The face of the edge from `p` to `q` between the pieces centred at `c1` and `c2`; at the border `c2`
+    /// is the mirror image of `c1` in the edge's midpoint.
     pub fn new(p: PointAt, q: PointAt, c1: PointAt, c2: Option<PointAt>) -> Self {
         let points = match c2 {
             Some(c2) => vec![(p, -1.0, 0.0), (q, 1.0, 0.0), (c1, 0.0, -1.0), (c2, 0.0, 1.0)],
@@ -156,8 +156,8 @@ impl Term for OrthogonalDiagonals {
 
 /// Equal diagonals in the open state and constant mean stretch, Eqs. (4) and (5): two residuals per face.
 ///
-/// With a gap the closed diagonals are together longer by it, because half of it is lost on either side of each slit;
-/// gap = 0 is Eq. (5) itself.
+/// With a gap the closed diagonals are together longer by it, because half of it is lost on either side of
+/// each slit; gap = 0 is Eq. (5) itself.
 pub struct CellDimensions {
     faces: Vec<(Diagonals, Diagonals, Vec<usize>)>,
     lambda: f64,
@@ -303,7 +303,8 @@ pub enum Hold {
     Plane(Point3, Vector3),
 }
 
-/// Keeps the pattern's border on the target's boundary, or where it was in Stage 1, measured outwards along the surface.
+/// Keeps the pattern's border on the target's boundary, or where it was in Stage 1, measured outwards along
+/// the surface.
 pub struct Boundary<'a> {
     points: Vec<(PointAt, Hold)>,
     unknowns: Vec<usize>,
@@ -424,9 +425,9 @@ impl Term for Isometry {
     }
 }
 
-/// Flat pieces stay flat to first order: the signed volumes spanned by vertices 0, 1, 2 and each further one vanish in
-/// the open state, as they do in a flat closed state. (The distances of Eq. (7) see a flat piece's bending to second
-/// order only.)
+/// Flat pieces stay flat to first order: the signed volumes spanned by vertices 0, 1, 2 and each further one
+/// vanish in the open state, as they do in a flat closed state. (The distances of Eq. (7) see a flat piece's
+/// bending to second order only.)
 pub struct Planarity {
     pieces: Vec<(Vec<PointAt>, Vec<usize>)>,
 }
@@ -473,8 +474,8 @@ impl Term for Planarity {
 
 /// Right angles: the product of two sides that meet in a point vanishes. One residual per angle.
 ///
-/// Over the open hinges it keeps the pattern fully open, as the model cell is; over the corners of closed pieces it keeps
-/// these near rectangles.
+/// Over the open hinges it keeps the pattern fully open, as the model cell is; over the corners of closed
+/// pieces it keeps these near rectangles.
 pub struct RightAngles {
     name: &'static str,
     angles: Vec<([PointAt; 3], Vec<usize>)>,

@@ -1,8 +1,9 @@
-//! Whether a pattern can exist: no cell inverted, crossing itself or overlapping a neighbour, in either state.
+//! Whether a pattern can exist: no cell inverted, crossing itself or overlapping a neighbour, in either
+//! state.
 //!
-//! A tiling by simple, equally oriented faces around every vertex has no local overlap, so it suffices to look at each
-//! face: the closed cells between corner midpoints, and in the open state the pieces and the holes between them. Outlines
-//! with their real slits and ligaments are checked again in fabrication.
+//! A tiling by simple, equally oriented faces around every vertex has no local overlap, so it suffices to
+//! look at each face: the closed cells between corner midpoints, and in the open state the pieces and the
+//! holes between them. Outlines with their real slits and ligaments are checked again in fabrication.
 
 use super::control_mesh::Target;
 use super::design::Design;
@@ -38,8 +39,8 @@ pub enum Invalid {
     },
 }
 
-/// Checks a pattern; `filled` is the open pattern with its holes filled: the pieces first, then holes, of the inner corners
-/// in `hole_corners`. `least_width` is the least width of a piece's hinge polygon.
+/// Checks a pattern; `filled` is the open pattern with its holes filled: the pieces first, then holes, of the
+/// inner corners in `hole_corners`. `least_width` is the least width of a piece's hinge polygon.
 ///
 /// # Errors
 /// The first [`Invalid`] face found.
@@ -93,7 +94,8 @@ fn centre(points: &[Point3]) -> Point3 {
     Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64)
 }
 
-/// Area of a polygon projected along `normal`, positive where it runs counter-clockwise seen against the normal.
+/// Area of a polygon projected along `normal`, positive where it runs counter-clockwise seen against the
+/// normal.
 fn signed_area(polygon: &[Point3], normal: &Vector3) -> f64 {
     let origin = polygon[0];
     polygon.windows(2).map(|pair| 0.5 * (pair[0] - origin).cross(&(pair[1] - origin)).dot(normal)).sum()
@@ -111,7 +113,8 @@ fn crosses_itself(polygon: &[Point3], normal: &Vector3) -> bool {
     })
 }
 
-/// Least distance of a vertex from a side that does not touch it: the width of a convex quad or a lower bound.
+/// Least distance of a vertex from a side that does not touch it: the width of a convex quad or a lower
+/// bound.
 fn least_width_of(polygon: &[Point3]) -> f64 {
     let n = polygon.len();
     let mut least = f64::INFINITY;

@@ -1,8 +1,8 @@
 //! The output folder: all files of one run, or none.
 //!
-//! Files are written into a new folder beside the wanted one, which then takes its place. A folder that already exists
-//! is replaced only if it holds nothing but files that a run makes, so that nothing of the user's is lost and no old
-//! result is left among new ones.
+//! Files are written into a new folder beside the wanted one, which then takes its place. A folder that
+//! already exists is replaced only if it holds nothing but files that a run makes, so that nothing of the
+//! user's is lost and no old result is left among new ones.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -104,7 +104,8 @@ impl OutputFolder {
     /// Puts the new folder in the wanted one's place.
     ///
     /// # Errors
-    /// The file system's refusal, or files of the user's that appeared meanwhile; the wanted folder is then as it was.
+    /// The file system's refusal, or files of the user's that appeared meanwhile; the wanted folder is then
+    /// as it was.
     pub fn finish(mut self) -> Result<(), FolderError> {
         let io = |source| FolderError::Io { path: self.wanted.clone(), source };
         Self::check(&self.wanted)?;

@@ -1,7 +1,7 @@
 //! The Levenberg-Marquardt method on sparse normal equations.
 //!
-//! Damping follows H. B. Nielsen, *Damping parameter in Marquardt's method* (1999): the damping `mu` is added to
-//! the diagonal, and changes with the ratio of actual to predicted decrease. The number of attempts per
+//! Damping follows H. B. Nielsen, *Damping parameter in Marquardt's method* (1999): the damping `mu` is added
+//! to the diagonal, and changes with the ratio of actual to predicted decrease. The number of attempts per
 //! iteration is bounded, and an energy that is not finite never counts as progress.
 
 use super::Weighted;

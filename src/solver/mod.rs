@@ -1,8 +1,8 @@
 //! Numbers only: least squares and sparse factorisations. No geometry word appears here.
 //!
-//! A problem is a list of [`Term`]s. Each term is a family of small residual blocks over few unknowns; the sum
-//! of weighted squares is minimised by the Levenberg-Marquardt method on the normal equations, whose sparsity
-//! pattern is analysed once.
+//! A problem is a list of [`Term`]s. Each term is a family of small residual blocks over few unknowns; the
+//! sum of weighted squares is minimised by the Levenberg-Marquardt method on the normal equations, whose
+//! sparsity pattern is analysed once.
 
 pub mod cholesky;
 
@@ -26,8 +26,8 @@ pub trait Term {
     fn rows(&self, b: usize) -> usize;
     /// Indices of the unknowns of block `b`, all different.
     fn unknowns(&self, b: usize) -> &[usize];
-    /// Writes the residuals of block `b` (#rows) and their Jacobian (#rows by #unknowns, row after row) at the
-    /// point `x`. `jacobian` arrives zeroed.
+    /// Writes the residuals of block `b` (#rows) and their Jacobian (#rows by #unknowns, row after row) at
+    /// the point `x`. `jacobian` arrives zeroed.
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]);
     /// Updates what the term holds constant while a step is computed (closest points, directions). Called at
     /// the start and after every accepted step.

@@ -56,9 +56,7 @@ fn banner_group(scene: &Scene, banner: Rect, part: Rect) -> Group {
         Bend::Flat => "It stays nearly flat.",
         Bend::Convex => "It ends CONVEX: the sheet bulges towards you.",
         Bend::Concave => "It ends CONCAVE: the sheet sinks away from you like a bowl.",
-        Bend::Mixed => {
-            "It ends convex along some directions and concave along others (like a saddle or a wave)."
-        }
+        Bend::Mixed => "It ends convex one way and concave the other: a saddle or a wave.",
     };
     let x = banner.x0 + 24.0;
     let line = |y: f64, size: f64, content: &str| text(Point::new(x, banner.y0 + y), size, content);
