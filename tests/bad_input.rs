@@ -122,7 +122,10 @@ fn truncated_mesh_files() {
     let end = text.match_indices("endloop").nth(40).unwrap().0;
     mesh_fault("half-text-stl", "text.stl", &text[..end], &["line ", "`endloop`", "truncated"]);
     mesh_fault("half-line-stl", "line.stl", half(text.into_bytes()), &["line "]);
-    mesh_fault("half-ply", "half.ply", half(mesh.ply().into_bytes()), &["truncated"]);
+    let ply = mesh.ply();
+    let end = ply.match_indices('\n').nth(40).unwrap().0;
+    mesh_fault("half-ply", "half.ply", &ply[..end], &["ends too early", "truncated"]);
+    mesh_fault("half-line-ply", "line.ply", half(ply.into_bytes()), &["line "]);
 }
 
 #[test]
@@ -219,7 +222,11 @@ fn job_files_that_break_a_rule() {
     job_fault("syntax", with("closed =", "closed"), &["job.toml:3"]);
     job_fault("nan", with("[pattern]", "size_mm = nan\n[pattern]"), &["job.toml:5", "nan"]);
     job_fault("infinite", with("[pattern]", "size_mm = inf\n[pattern]"), &["job.toml:5", "inf"]);
-    job_fault("tiny", with("[pattern]", "size_mm = 1e-3\n[pattern]"), &["job.toml:5", "1e-3", "1 to 10000 mm"]);
+    job_fault(
+        "tiny",
+        with("[pattern]", "size_mm = 1e-3\n[pattern]"),
+        &["job.toml:5", "1e-3", "1 to 10000 mm"],
+    );
     job_fault("profile", with("steel-304-0.5mm", "steal"), &["steal", "steel-304-0.5mm"]);
     job_fault("profile-file", with("steel-304-0.5mm", "mine.toml"), &["mine.toml", "No such file"]);
     job_fault("units", with("[pattern]", "units = \"feet\"\n[pattern]"), &["feet", "\"in\""]);

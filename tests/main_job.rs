@@ -168,7 +168,6 @@ fn makes_the_sample_into_the_default_folder() {
     let before = program::listing(&folder);
     let run = program::run(&folder, ["make".as_ref(), samples.join("dome.toml").as_os_str(), "-q".as_ref()]);
     assert_eq!((run.status, run.stdout.as_str(), run.stderr.as_str()), (0, "", ""));
-    let after = program::listing(&folder);
     assert_eq!(untimed(before), untimed(program::listing(&folder)));
 }
 

@@ -42,7 +42,9 @@ pub fn ligament_lengths(design: &Design, profile: &Profile) -> Result<Vec<f64>, 
     let length = |(id, hinge): (usize, &Hinge)| {
         let at = hinge.point;
         match required_length(profile, hinge.angle) {
-            Err(LengthError::TooLong { .. }) if clearance_length(profile, hinge.angle) <= longest => Ok(longest),
+            Err(LengthError::TooLong { .. }) if clearance_length(profile, hinge.angle) <= longest => {
+                Ok(longest)
+            }
             Err(source) => Err(FabricationError::Length { hinge: id, x: at.x, y: at.y, source }),
             Ok(length) => Ok(length),
         }

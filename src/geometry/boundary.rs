@@ -107,3 +107,25 @@ impl BoundaryCurve {
         nearest.expect("a curve with segments").closest(query)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounding_does_not_decide_to_which_side_a_corner_belongs() {
+        let vertices = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let mesh = TriMesh { vertices: vertices.to_vec(), faces: vec![[0, 1, 2], [0, 2, 3]] };
+        let curve = BoundaryCurve::new(&mesh, &[0, 1, 2, 3]);
+        let diagonal = Vector3::new(1.0, 1.0, 0.0).normalize();
+        // On the corner, off it by rounding in all directions, and outside of both sides.
+        for (x, y) in [(0.0, 0.0), (1e-15, -1e-14), (-1e-14, 1e-15), (-1e-15, -1e-15), (0.3, 0.1), (0.1, 0.3)]
+        {
+            let found = curve.closest(&Point3::new(2.0 + x, 1.0 + y, 0.4));
+            assert!((found.conormal - diagonal).norm() < 1e-12, "{x} {y}: {}", found.conormal);
+            assert!((found.point - vertices[2]).norm() < 1e-12);
+        }
+        let found = curve.closest(&Point3::new(2.5, 0.5, 0.0));
+        assert_eq!((found.point, found.conormal), (Point3::new(2.0, 0.5, 0.0), Vector3::x()));
+    }
+}
