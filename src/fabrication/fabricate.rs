@@ -7,7 +7,7 @@ use super::frame::corner_frames;
 use super::hinge_table::{HingeRow, hinge_rows};
 use super::layout::CutLayout;
 use super::ligament::measure_ligaments;
-use super::mechanics::required_length;
+use super::mechanics::{LengthError, clearance_length, required_length};
 use super::notes::notes;
 use super::order::in_cutting_order;
 use super::outline::{Contour, piece_outlines};
@@ -31,15 +31,23 @@ pub struct Fabrication {
     pub outlines: Vec<Contour>,
 }
 
-/// The free ligament length that each hinge's own angle needs, millimetres, in the order of [`Design::hinges`].
+/// The free ligament length that each hinge's own angle needs, millimetres, in the order of [`Design::hinges`]. Where
+/// the strain limit asks for more than the profile's longest ligament it is that one: too weak, as the hinge's row
+/// will say.
 ///
 /// # Errors
-/// A hinge that turns further than the profile's longest ligament allows.
+/// A hinge whose neighbouring strips collide beside the longest ligament.
 pub fn ligament_lengths(design: &Design, profile: &Profile) -> Result<Vec<f64>, FabricationError> {
+    let longest = profile.ligament.max_length;
     let length = |(id, hinge): (usize, &Hinge)| {
         let at = hinge.point;
-        let error = |source| FabricationError::Length { hinge: id, x: at.x, y: at.y, source };
-        required_length(profile, hinge.angle).map_err(error)
+        match required_length(profile, hinge.angle) {
+            Err(LengthError::TooLong { .. }) if clearance_length(profile, hinge.angle) <= longest => {
+                Ok(longest)
+            }
+            Err(source) => Err(FabricationError::Length { hinge: id, x: at.x, y: at.y, source }),
+            Ok(length) => Ok(length),
+        }
     };
     design.hinges.iter().enumerate().map(length).collect()
 }

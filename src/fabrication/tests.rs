@@ -203,11 +203,13 @@ fn a_part_that_is_too_large_is_refused_with_a_scale_that_fits() {
     };
     assert!((width - 40.05).abs() < ROUNDING && (height - 30.05).abs() < ROUNDING);
     assert_eq!((room_x, room_y), (25.0, 190.0));
-    let scaled = TestSheet::rectangle([4, 3], [10.0 * scale, 10.0 * scale], gap);
+    // As the sides of pieces grow with the target: all but half a gap.
+    let side = (10.0 - 0.5 * gap) * scale + 0.5 * gap;
+    let scaled = TestSheet::rectangle([4, 3], [side, side], gap);
     let design = scaled.design(scaled.full_angle());
     assert!(fabricate(&design, &small, &vec![1.1; design.hinges.len()]).is_ok());
     // The room is used to within the ligament's width.
-    assert!(40.0 * scale + small.laser.kerf > room_x - gap);
+    assert!(4.0 * side + small.laser.kerf > room_x - gap);
 }
 
 #[test]
