@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
-use crate::geometry::Vector2;
-use crate::geometry::flatten::{ConformalScale, FlattenError, flatten};
+use crate::geometry::flatten::{ConformalScale, FlattenError, Flattening, flatten};
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::read::{ReadMeshError, read_mesh};
 use crate::geometry::topology::{Defect, NotADisk, check_disk, disk};
-use crate::geometry::triangulate::{TriangulateError, triangulate};
+use crate::geometry::triangulate::{Surface, TriangulateError, triangulate};
+use crate::geometry::{Point3, Vector2, Vector3};
 use crate::job::{Job, Shape};
 use crate::kirigami::control_mesh::{Target, stage1};
 use crate::kirigami::cover::{CoverError, cover};
@@ -45,6 +45,13 @@ pub enum PipelineError {
     Triangulate { path: PathBuf, source: TriangulateError },
     #[error("{}: {source}", path.display())]
     Flatten { path: PathBuf, source: FlattenError },
+    /// The target cannot be laid flat without folding.
+    #[error(
+        "{}: laid flat, the target folds over at face {face} near ({:.2}, {:.2}, {:.2}) mm (its stretch ratio is \
+         {ratio:.3}): it curves too much, or overlaps itself when flat; cut it into parts",
+        path.display(), at.x, at.y, at.z
+    )]
+    Folded { path: PathBuf, face: usize, at: Point3, ratio: f64 },
     /// The target curves too much.
     #[error(
         "{}: flattening the target stretches some places {ratio:.3} times as much as others; a pattern of turning pieces reaches less than {MOST_STRETCH_RATIO}: cut the target into parts that curve less",
@@ -80,7 +87,11 @@ impl PipelineError {
             ),
             Self::Flatten { source, .. } => matches!(source, FlattenError::Degenerate),
             Self::Cover(source) => !matches!(source, CoverError::GapTooWide { .. }),
-            Self::Stretch { .. } | Self::Shortfall(_) | Self::Invalid(_) | Self::Fabrication(_) => false,
+            Self::Stretch { .. }
+            | Self::Folded { .. }
+            | Self::Shortfall(_)
+            | Self::Invalid(_)
+            | Self::Fabrication(_) => false,
         }
     }
 }
@@ -171,15 +182,24 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
 /// A mesh that cannot be used, a target that cannot be reached.
 pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let path = target_path(job);
-    let mesh = clock.run("read", |_| read_target(job, path))?;
+    let Surface { mesh, face_of, .. } = clock.run("read", |_| read_target(job, path))?;
     let cycle = disk(&mesh.faces).map_err(|defect| PipelineError::Topology {
         path: path.to_owned(),
         source: NotADisk { defect, at: None },
     })?;
     let cycle = cycle.boundary;
-    let flatten_error = |source| PipelineError::Flatten { path: path.to_owned(), source };
+    let flatten_error = |source| match source {
+        // Faces are counted from 1, as OBJ files do.
+        FlattenError::Folded { triangle, ratio } => PipelineError::Folded {
+            path: path.to_owned(),
+            face: face_of[triangle] + 1,
+            at: mesh.vertices[mesh.faces[triangle][0]],
+            ratio,
+        },
+        source => PipelineError::Flatten { path: path.to_owned(), source },
+    };
     let gap = job.pattern.gap;
-    let (cover, control, ratio) = clock.run("stage-1", |_| {
+    let (cover, control, report1, ratio) = clock.run("stage-1", |_| {
         let scale = ConformalScale::solve(&mesh, &cycle).map_err(flatten_error)?;
         let ratio = scale.ratio();
         if ratio.is_nan() || ratio > MOST_STRETCH_RATIO {
@@ -190,7 +210,7 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         let first = first_axis(&mesh, &flat.points);
         let cover = cover(&outline, &first, job.pattern.pieces, job.pattern.stretches, gap)?;
         let control = stage1(&cover, &mesh, &flat.points);
-        Ok((cover, control, ratio))
+        Ok((cover, control, flattening_report(&flat), ratio))
     })?;
     let target = Target::new(mesh, &cycle);
     let (control, report2) = clock.run("stage-2", |progress| {
@@ -213,11 +233,25 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let least_width = LEAST_WIDTH_IN_GAPS * job.fabrication.profile.hinge_gap();
     validity::check(&design, &filled, &inner, &target, least_width)?;
     let stages = vec![
-        Stage { name: "stage-1", reports: Vec::new() },
+        Stage { name: "stage-1", reports: vec![report1] },
         Stage { name: "stage-2", reports: vec![report2] },
         Stage { name: "stage-3", reports: reports3 },
     ];
     Ok(Designed { design, quality, stages, filled, target })
+}
+
+/// The rounds of the flattening in the form of the other stages' reports.
+fn flattening_report(flat: &Flattening) -> solver::Report {
+    let iteration = |energy: &f64| solver::Iteration { energies: vec![*energy], damping: 0.0 };
+    solver::Report {
+        terms: vec!["arap"],
+        iterations: flat.energies.iter().map(iteration).collect(),
+        termination: if flat.settled {
+            solver::Termination::Stagnation
+        } else {
+            solver::Termination::IterationLimit
+        },
+    }
 }
 
 /// The mesh that the open state takes on. The job's reader accepts nothing else.
@@ -229,24 +263,19 @@ fn target_path(job: &Job) -> &Path {
 }
 
 /// Reads the target, checks that it is a disk, and scales it to millimetres.
-fn read_target(job: &Job, path: &Path) -> Result<TriMesh, PipelineError> {
+fn read_target(job: &Job, path: &Path) -> Result<Surface, PipelineError> {
     let mesh = read_mesh(path)?;
     check_disk(&mesh).map_err(|source| PipelineError::Topology { path: path.to_owned(), source })?;
     let used = mesh.faces.iter().flatten().map(|&v| mesh.vertices[v].coords);
-    let (low, high) = used.fold(
-        (
-            crate::geometry::Vector3::repeat(f64::INFINITY),
-            crate::geometry::Vector3::repeat(f64::NEG_INFINITY),
-        ),
-        |(low, high), p| (low.inf(&p), high.sup(&p)),
-    );
+    let (low, high) = used
+        .fold((Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
+            (low.inf(&p), high.sup(&p))
+        });
     let scale = match job.target.size {
         Some(size) => size / (high - low).max(),
         None => job.target.units.millimetres(),
     };
-    let surface = triangulate(&mesh, scale)
-        .map_err(|source| PipelineError::Triangulate { path: path.to_owned(), source })?;
-    Ok(surface.mesh)
+    triangulate(&mesh, scale).map_err(|source| PipelineError::Triangulate { path: path.to_owned(), source })
 }
 
 /// The direction in the flattening that comes nearest to the target's x axis (y, where the target has no

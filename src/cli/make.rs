@@ -169,6 +169,7 @@ fn figures(made: &Made) -> Vec<(String, String)> {
             "boundary gap",
             format!("{:.2} mm ({:.2} pieces)", quality.boundary_max, quality.boundary_max / cell),
         ),
+        ("piece centres off", format!("{:.3} mm", quality.sagitta_max)),
         ("area expansion", format!("{:.3}", quality.area_expansion)),
         ("target's stretch", format!("{:.3}", quality.stretch_ratio)),
         ("hinge angles", format!("{least:.1} to {most:.1} deg")),
@@ -180,7 +181,9 @@ fn figures(made: &Made) -> Vec<(String, String)> {
 fn summary(name: &str, made: &Made, folder: &Path) -> String {
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-    let mut text = format!("{name}: made\n");
+    let warnings = hinge_report::summary(&made.fabrication.hinges).map_or(0, |summary| summary.warn);
+    let remark = if warnings > 0 { format!(", with {warnings} hinges to look at") } else { String::new() };
+    let mut text = format!("{name}: made{remark}\n");
     for (label, value) in &figures {
         text += &format!("  {label:<width$}  {value}\n");
     }

@@ -18,9 +18,10 @@ use std::f64::consts::PI;
 pub struct Flattening {
     /// #V positions in the plane; triangles keep their orientation.
     pub points: Vec<Point2>,
-    /// Largest divided by smallest linear stretch of the conformal flattening that keeps boundary lengths.
-    /// 1 for developable surfaces; the intrinsic measure of how hard the target is.
-    pub stretch_ratio: f64,
+    /// As-rigid-as-possible energy (square units of length) before the first round and after each.
+    pub energies: Vec<f64>,
+    /// Whether the energy had settled when the rounds ended.
+    pub settled: bool,
 }
 
 /// Why a disk has no usable flattening.
@@ -30,9 +31,7 @@ pub enum FlattenError {
     #[error("the mesh cannot be flattened: its triangles are too thin or too uneven; remesh it more evenly")]
     Degenerate,
     /// A triangle is turned over.
-    #[error(
-        "flattening folds the mesh over at triangle {triangle}: the target curves too much for one flat sheet (its stretch ratio is {ratio:.3}); cut it into parts"
-    )]
+    #[error("the flattening folds over at triangle {triangle} (stretch ratio {ratio:.3})")]
     Folded {
         /// Which triangle.
         triangle: usize,
@@ -75,7 +74,7 @@ impl ConformalScale {
         Ok(Self { log_scale, exterior_angles, cycle: cycle.to_vec() })
     }
 
-    /// Largest divided by smallest scale.
+    /// Largest divided by smallest scale: 1 for developable surfaces; the intrinsic measure of how hard the target is.
     pub fn ratio(&self) -> f64 {
         let (low, high) = self.log_scale.iter().fold((0.0_f64, 0.0_f64), |(l, h), &u| (l.min(u), h.max(u)));
         (high - low).exp()
@@ -141,14 +140,15 @@ pub fn flatten(mesh: &TriMesh, scale: &ConformalScale) -> Result<Flattening, Fla
     let mut fixed = vec![false; mesh.vertices.len()];
     fixed[0] = true;
     let laplacian = Laplacian::new(mesh, &fixed)?;
-    let mut energy = f64::INFINITY;
-    for _ in 0..ROUNDS {
-        let (rotations, next) = best_rotations(mesh, &local, &weights, &points);
-        if next >= energy * (1.0 - 1e-6) {
-            break;
+    let mut energies: Vec<f64> = Vec::new();
+    let mut settled = false;
+    while !settled && energies.len() <= ROUNDS {
+        let (rotations, energy) = best_rotations(mesh, &local, &weights, &points);
+        settled = energies.last().is_some_and(|last| energy >= last * (1.0 - SETTLED));
+        energies.push(energy);
+        if !settled {
+            points = global_step(mesh, &local, &weights, &rotations, &laplacian, &points[0]);
         }
-        energy = next;
-        points = global_step(mesh, &local, &weights, &rotations, &laplacian, &points[0]);
     }
     let folded = mesh.faces.iter().position(|face| {
         let [a, b, c] = face.map(|v| points[v]);
@@ -156,12 +156,15 @@ pub fn flatten(mesh: &TriMesh, scale: &ConformalScale) -> Result<Flattening, Fla
     });
     match folded {
         Some(triangle) => Err(FlattenError::Folded { triangle, ratio: scale.ratio() }),
-        None => Ok(Flattening { points, stretch_ratio: scale.ratio() }),
+        None => Ok(Flattening { points, energies, settled }),
     }
 }
 
 /// Most local/global rounds; meshes here settle within a few tens.
 const ROUNDS: usize = 300;
+
+/// The energy has settled when a round lowers it by less than this part.
+const SETTLED: f64 = 1e-6;
 
 /// A triangle of the mesh, laid out in a plane without distortion.
 fn lay_out(mesh: &TriMesh, face: &[usize; 3]) -> [Point2; 3] {

@@ -133,8 +133,11 @@ pub fn measure(
 impl Quality {
     /// The limits that are broken, in order of importance.
     pub fn shortfalls(&self, limits: &Limits) -> Vec<Shortfall> {
-        const FIT: &str = "the target asks for more stretch than the pattern has there; cut it into parts, \
-                           or use smaller pieces";
+        const FIT: &str = "the target asks for more stretch than the pattern has; cut it into parts, or use smaller \
+                           pieces";
+        const COVER: &str = "the outline has tips or necks that whole pieces do not reach (three pieces wide at \
+                             least); round or widen them, use smaller pieces, or cut the target into parts";
+        const SIZE: &str = "pieces of this size do not fit the target; ask for smaller ones, or other counts";
         const RIGID: &str =
             "the pieces cannot be the same in both states; use smaller pieces or a less curved target";
         let cell = std::f64::consts::SQRT_2 * self.mean_edge;
@@ -148,20 +151,19 @@ impl Quality {
                 " edges",
                 FIT,
             ),
-            ("the largest gap in the cover", self.coverage_max / cell, limits.boundary_cells, " pieces", FIT),
             (
-                "the largest distance between the boundaries",
-                self.boundary_max / cell,
+                "the largest gap between the pattern and the target's outline",
+                self.coverage_max.max(self.boundary_max) / cell,
                 limits.boundary_cells,
                 " pieces",
-                FIT,
+                COVER,
             ),
             (
                 "the deviation of the mean edge from the asked one",
                 (self.mean_edge / self.asked_edge - 1.0).abs(),
                 limits.edge_deviation,
                 "",
-                FIT,
+                SIZE,
             ),
         ];
         rows.into_iter()

@@ -80,9 +80,10 @@ fn check_face(
     state: &'static str,
     name: impl Fn() -> String,
 ) -> Result<(), Invalid> {
+    let area = signed_area(polygon, normal);
     let fault = if crosses_itself(polygon, normal) {
         "crossing itself"
-    } else if signed_area(polygon, normal) <= 0.0 || !signed_area(polygon, normal).is_finite() {
+    } else if area <= 0.0 || !area.is_finite() {
         "turned over"
     } else {
         return Ok(());

@@ -37,7 +37,8 @@ pub fn dome() -> Dome {
     let gap = profile.hinge_gap();
     let mesh = mesh(14, 90.0, 14.0);
     let cycle = disk(&mesh.faces).unwrap().boundary;
-    let flat = flatten(&mesh, &ConformalScale::solve(&mesh, &cycle).unwrap()).unwrap();
+    let scale = ConformalScale::solve(&mesh, &cycle).unwrap();
+    let flat = flatten(&mesh, &scale).unwrap();
     let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
     let stretches = [std::f64::consts::SQRT_2; 2];
     let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap).unwrap();
@@ -64,7 +65,7 @@ pub fn dome() -> Dome {
     ];
     let made = |pattern: &Pattern, stages| {
         let design = hinges::design(&cover.mesh, pattern, gap);
-        let quality = measured(&design, &cover, pattern, &target, flat.stretch_ratio);
+        let quality = measured(&design, &cover, pattern, &target, scale.ratio());
         Made { design, quality, stages }
     };
     Dome { shaken: made(&shaken, vec![]), made: made(&pattern, stages), profile }

@@ -49,16 +49,16 @@ def read_obj(file):
 
 
 def triangles_of(vertices, faces):
-    """Triangles; quads along their shorter diagonal, which is how a surface between four points is usually read."""
+    """Triangles; quads from their centre, which prefers neither diagonal of a warped one."""
     corners = []
     for face in faces:
-        a, b, *rest = face
-        if len(face) == 4:
-            c, d = rest
-            if np.linalg.norm(vertices[b] - vertices[d]) < np.linalg.norm(vertices[a] - vertices[c]):
-                a, b, rest = b, c, [d, a]
-        corners += [(a, p, q) for p, q in zip([b, *rest], rest)]
-    return vertices[np.array(corners)]
+        points = vertices[np.array(face)]
+        if len(face) == 3:
+            corners.append(points)
+        else:
+            centre = points.mean(axis=0)
+            corners += [(p, q, centre) for p, q in zip(points, np.roll(points, -1, axis=0))]
+    return np.array(corners)
 
 
 def segment_distances(points, start, end):

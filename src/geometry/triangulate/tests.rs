@@ -73,10 +73,27 @@ fn a_dart_is_split_through_its_reflex_corner_from_whichever_corner_it_starts() {
 }
 
 #[test]
-fn a_warped_quad_gives_two_triangles_that_face_the_same_way() {
-    let source = polygon(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.6], [1.0, 1.0, 0.0], [0.0, 1.0, 0.6]]);
-    let surface = triangulate(&source, 1.0).unwrap();
-    assert!(signed_areas(&surface).iter().all(|&area| (area - 0.5).abs() < 1e-15));
+fn a_warped_quad_is_split_from_its_centre_whichever_corner_it_starts_with() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.6], [1.0, 1.0, 0.0], [0.0, 1.0, 0.6]];
+    for shift in 0..4 {
+        let mut turned = corners;
+        turned.rotate_left(shift);
+        let surface = triangulate(&polygon(&turned), 2.0).unwrap();
+        assert_eq!(surface.mesh.vertices.last(), Some(&Point3::new(1.0, 1.0, 0.6)));
+        assert_eq!((surface.face_of.as_slice(), surface.vertex_of.len()), ([0; 4].as_slice(), 4));
+        // Four equal parts of the square of side 2 below.
+        assert!(signed_areas(&surface).iter().all(|&area| (area - 1.0).abs() < 1e-15));
+    }
+}
+
+#[test]
+fn a_warped_face_that_its_centre_does_not_see_is_cut_along_diagonals() {
+    // A dart whose centre lies outside: two triangles, both facing up.
+    let dart = [[-0.4, 0.0, 0.1], [0.0, 0.9, 0.0], [0.4, 0.0, 0.1], [0.0, 1.1, 0.2]];
+    let surface = triangulate(&polygon(&dart), 1.0).unwrap();
+    let areas = signed_areas(&surface);
+    assert_eq!(areas.len(), 2);
+    assert!(areas.iter().all(|&area| area > 0.0), "{areas:?}");
 }
 
 #[test]
