@@ -482,8 +482,9 @@ mod tests {
         let lay = |size, gap| cover(&outline, &Vector2::x(), size, [SQRT_2; 2], gap);
         assert!(matches!(lay(PieceSize::Edge(1.0), 0.55), Err(CoverError::GapTooWide { .. })));
         assert!(matches!(lay(PieceSize::Edge(0.001), 0.0), Err(CoverError::TooMany { .. })));
-        let strip = rectangle(30.0, 0.5, 0.0);
-        let lone = cover(&strip, &Vector2::x(), PieceSize::Counts([1, 1]), [SQRT_2; 2], 0.0);
+        let hexagon: Vec<Point2> =
+            (0..6).map(|k| PI / 3.0 * k as f64).map(|t| Point2::new(t.cos(), t.sin())).collect();
+        let lone = cover(&hexagon, &Vector2::x(), PieceSize::Edge(5.0), [SQRT_2; 2], 0.0);
         assert!(matches!(lone, Err(CoverError::TooFew { .. })));
     }
 }
