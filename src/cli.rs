@@ -89,10 +89,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)
         }
-        Command::Profiles => {
-            print(&(crate::profile::names().join("\n") + "\n"));
-            Ok(())
-        }
+        Command::Profiles => list_profiles(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -105,6 +102,26 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Prints one line per profile.
+fn list_profiles() -> Result<(), Failure> {
+    for name in crate::profile::names() {
+        let profile = crate::profile::load(&name, std::path::Path::new(".")).map_err(Failure::bad_input)?;
+        let (sheet, ligament) = (&profile.sheet, &profile.ligament);
+        print(&format!(
+            "{name}: {}; sheet {} x {} x {} mm, kerf {} mm, ligament {} mm wide, {} to {} mm long\n",
+            profile.material.name,
+            sheet.width,
+            sheet.height,
+            sheet.thickness,
+            profile.laser.kerf,
+            ligament.width,
+            ligament.min_length,
+            ligament.max_length
+        ));
+    }
+    Ok(())
 }
 
 /// Prints to standard output; a reader that has gone away is no error.
