@@ -96,10 +96,11 @@ fn check_against_target(found: &Value, folder: &Path, limits: &Limits) {
     let diagonal = number(found, "diagonal_mm");
     assert!(number(found, "distance_mm") <= limits.distance * diagonal);
     assert!(number(found, "boundary_mm") <= 1.5 * SQRT_2 * number(report, "mean_edge_mm"));
-    // Two ways to the same numbers, up to rounding at some hundred millimetres.
+    // Two ways to the same numbers. Quads that are flat to 1e-7 of their size (some ten millimetres) have a diagonal in
+    // our surface and a centre in theirs.
     for (theirs, ours) in [("distance_mm", "distance_max_mm"), ("diagonal_mm", "target_diagonal_mm")] {
         let (theirs, ours) = (number(found, theirs), number(report, ours));
-        assert!((theirs - ours).abs() <= 1e-9, "{theirs} {ours}");
+        assert!((theirs - ours).abs() <= 5e-6, "{theirs} {ours}");
     }
     // Pieces lie along the target, the sheet's upper face outside.
     assert!(number(found, "normal") > 0.99, "{}", found["normal"]);

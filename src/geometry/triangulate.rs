@@ -119,9 +119,9 @@ pub fn triangulate(mesh: &PolyMesh, scale: f64) -> Result<Surface, TriangulateEr
     Ok(surface)
 }
 
-/// Faces whose corners lie further off their mean plane than this part of their size are warped: far above the digits
-/// that files keep, far below what can be seen.
-const WARPED: f64 = 1e-5;
+/// Faces whose corners lie further off their mean plane than this part of their size are warped: about the rounding of a
+/// file with seven digits, far below what can be seen.
+const WARPED: f64 = 1e-7;
 
 /// The mean of a warped polygon's corners, if all triangles from there face the polygon's way; `None` for flat ones.
 fn fan_centre(points: &[Point3]) -> Option<Point3> {
