@@ -1,0 +1,100 @@
+use super::*;
+use crate::geometry::Point3;
+use crate::geometry::mesh::TriMesh;
+use crate::kirigami::control_mesh::Target;
+use crate::solver::Term;
+use crate::solver::derivative_check::largest_jacobian_error;
+
+fn at(start: usize, dimension: usize) -> PointAt {
+    PointAt { start, dimension }
+}
+
+/// Numbers without a pattern.
+fn scattered(n: usize) -> Vec<f64> {
+    (0..n).map(|i| ((i * i + 3 * i) as f64 * 0.7391).sin() * 1.7).collect()
+}
+
+fn piece(n: usize) -> PieceAt {
+    let closed = (0..n).map(|i| (at(2 * i, 2), Vector3::new(0.1 * i as f64, -0.05, 0.0))).collect();
+    PieceAt { closed, open: (0..n).map(|i| at(2 * n + 3 * i, 3)).collect() }
+}
+
+fn target() -> Target {
+    let vertices = [[-9.0, -9.0, 0.1], [9.0, -8.0, 0.0], [8.0, 9.0, 0.4], [-9.0, 8.0, -0.3]];
+    Target::new(
+        TriMesh { vertices: vertices.map(Point3::from).to_vec(), faces: vec![[0, 1, 2], [0, 2, 3]] },
+        &[0, 1, 2, 3],
+    )
+}
+
+#[test]
+fn jacobians_agree_with_differences() {
+    let x = scattered(40);
+    let target = target();
+    let inner =
+        |d: usize, s: usize| Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), Some(at(s + 3 * d, d)));
+    let border = |d: usize, s: usize| Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), None);
+    let mut terms: Vec<Box<dyn Term + '_>> = vec![
+        Box::new(LinearTerm::new("fair", 3, &[vec![(at(0, 3), 1.0), (at(3, 3), -2.5), (at(9, 3), 1.5)]])),
+        Box::new(OrthogonalDiagonals::new([inner(2, 0), inner(3, 8), border(2, 0), border(3, 8)])),
+        Box::new(CellDimensions::new([(inner(2, 0), inner(3, 8)), (border(2, 0), border(3, 8))], 0.7, 0.05)),
+        Box::new(Isometry::new(&[piece(4), piece(5)])),
+        Box::new(Planarity::new(&[piece(4), piece(6)])),
+        Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
+        Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
+        Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),
+        Box::new(Proximity::new(vec![at(0, 3), at(6, 3)], &target, 2.0)),
+        Box::new(Boundary::new(
+            vec![
+                (at(0, 3), Hold::Plane(Point3::new(1.0, 2.0, 3.0), Vector3::y())),
+                (at(3, 3), Hold::Boundary),
+            ],
+            &target,
+            2.0,
+        )),
+    ];
+    for term in &mut terms {
+        term.refresh(&x);
+        // Cubic residuals at most: the central difference errs by h^2 = 1e-10, rounding by 1e-16 / 1e-5.
+        let error = largest_jacobian_error(term.as_ref(), &x, 1e-5);
+        assert!(error < 1e-8, "{}: {error}", term.name());
+        assert!(term.blocks() > 0);
+    }
+}
+
+#[test]
+fn proximity_and_boundary_measure_distances() {
+    let target = target();
+    let mut proximity = Proximity::new(vec![at(0, 3)], &target, 1.0);
+    let x = [1.0, 2.0, 3.0];
+    proximity.refresh(&x);
+    let mut residual = [0.0];
+    proximity.evaluate(0, &x, &mut residual, &mut [0.0; 3]);
+    let distance = target.surface.distance(&Point3::from(x));
+    // The two facets differ by about two degrees, so the smooth normal shortens by at most 1e-3.
+    assert!((residual[0].abs() / distance - 1.0).abs() < 1e-3, "{} {distance}", residual[0]);
+    // A point outside, straight before the middle of the edge y = -9 .. -8: positive distance outwards.
+    let mut boundary = Boundary::new(vec![(at(0, 3), Hold::Boundary)], &target, 1.0);
+    let outside = [0.0, -10.5, 0.05];
+    boundary.refresh(&outside);
+    boundary.evaluate(0, &outside, &mut residual, &mut [0.0; 3]);
+    assert!((residual[0] - 2.0).abs() < 0.02, "{}", residual[0]);
+}
+
+#[test]
+fn a_rigid_motion_has_no_isometry_residual() {
+    let piece = piece(4);
+    let closed = [[0.0, 0.0], [1.0, 0.1], [1.1, 0.9], [-0.1, 1.0]];
+    let mut x: Vec<f64> = closed.concat();
+    let turn = nalgebra::Rotation3::from_euler_angles(0.4, -0.8, 2.0);
+    for (i, (_, offset)) in piece.closed.iter().enumerate() {
+        let p =
+            turn * (Vector3::new(closed[i][0], closed[i][1], 0.0) + offset) + Vector3::new(3.0, 1.0, -2.0);
+        x.extend(p.iter());
+    }
+    let mut residuals = [0.0; 6];
+    Isometry::new(std::slice::from_ref(&piece)).evaluate(0, &x, &mut residuals, &mut [0.0; 6 * 20]);
+    assert!(residuals.iter().all(|r| r.abs() < 1e-14), "{residuals:?}");
+    Planarity::new(&[piece]).evaluate(0, &x, &mut residuals[..1], &mut [0.0; 12]);
+    assert!(residuals[0].abs() < 1e-14);
+}
