@@ -11,7 +11,7 @@ use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::read::{ReadMeshError, read_mesh};
 use crate::geometry::topology::{Defect, NotADisk, check_disk, disk};
 use crate::geometry::triangulate::{Surface, TriangulateError, triangulate};
-use crate::geometry::{Point3, Vector2, Vector3};
+use crate::geometry::{Point3, Vector2, bounds};
 use crate::job::{Job, Shape};
 use crate::kirigami::control_mesh::{Target, stage1};
 use crate::kirigami::cover::{CoverError, cover};
@@ -266,11 +266,7 @@ fn target_path(job: &Job) -> &Path {
 fn read_target(job: &Job, path: &Path) -> Result<Surface, PipelineError> {
     let mesh = read_mesh(path)?;
     check_disk(&mesh).map_err(|source| PipelineError::Topology { path: path.to_owned(), source })?;
-    let used = mesh.faces.iter().flatten().map(|&v| mesh.vertices[v].coords);
-    let (low, high) = used
-        .fold((Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
-            (low.inf(&p), high.sup(&p))
-        });
+    let (low, high) = bounds(mesh.faces.iter().flatten().map(|&v| &mesh.vertices[v]));
     let scale = match job.target.size {
         Some(size) => size / (high - low).max(),
         None => job.target.units.millimetres(),

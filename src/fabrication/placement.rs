@@ -41,7 +41,7 @@ pub fn place_on_sheet(
         // When the target is scaled, ligament and kerf around the pieces keep their size, and so does half a gap on
         // each piece's side.
         let rim = profile.hinge_gap() + profile.laser.kerf;
-        let gap_share = 0.5 * design.gap / mean_side(design);
+        let gap_share = 0.5 * design.gap / design.mean_edge();
         let scale_in = |room: f64, size: f64| {
             let fixed = rim + gap_share * (size - rim);
             (room - fixed).max(0.0) / (size - fixed)
@@ -56,19 +56,6 @@ pub fn place_on_sheet(
         });
     }
     Ok(moved(design, Vector3::new(sheet.margin - part.x0, sheet.margin - part.y0, 0.0)))
-}
-
-/// Mean distance of consecutive corners of the closed pieces.
-fn mean_side(design: &Design) -> f64 {
-    let sides: Vec<f64> = design
-        .pieces
-        .iter()
-        .flat_map(|piece| {
-            let ends = piece.corners.iter().zip(piece.corners.iter().cycle().skip(1));
-            ends.map(|(&a, &b)| (design.corners[b] - design.corners[a]).norm())
-        })
-        .collect();
-    sides.iter().sum::<f64>() / sides.len() as f64
 }
 
 fn check_lengths(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<(), FabricationError> {

@@ -69,3 +69,18 @@ pub struct Design {
     /// The hinges.
     pub hinges: Vec<Hinge>,
 }
+
+impl Design {
+    /// Mean distance between neighbouring corners in the sheet, millimetres; an edge of two pieces counts twice.
+    pub fn mean_edge(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for piece in &self.pieces {
+            for (i, &corner) in piece.corners.iter().enumerate() {
+                let next = piece.corners[(i + 1) % piece.corners.len()];
+                sum += (self.corners[next] - self.corners[corner]).norm();
+                count += 1.0;
+            }
+        }
+        sum / count
+    }
+}

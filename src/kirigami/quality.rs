@@ -7,7 +7,7 @@ use super::design::Design;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::topology::disk;
-use crate::geometry::{Point3, Vector3};
+use crate::geometry::{bounds, centroid};
 
 /// What was reached. Lengths in millimetres unless said otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -96,10 +96,10 @@ pub fn measure(
     asked_edge: f64,
     stretch_ratio: f64,
 ) -> Quality {
-    let mean_edge = mean_edge(design);
+    let mean_edge = design.mean_edge();
     let (e_isom, max_length_error) = length_errors(design, mean_edge);
     let vertices = design.pieces.iter().flat_map(|piece| &piece.open);
-    let centres = design.pieces.iter().map(|piece| centre(&piece.open));
+    let centres = design.pieces.iter().map(|piece| centroid(&piece.open));
     let largest = |distances: &mut dyn Iterator<Item = f64>| distances.fold(0.0, f64::max);
     let open = fan_triangles(filled);
     let area_open = area(&open);
@@ -109,7 +109,7 @@ pub fn measure(
     };
     let mesh = target.surface.mesh();
     let corners = mesh.vertices.iter().copied();
-    let samples = corners.chain(mesh.faces.iter().map(|face| centre(&face.map(|v| mesh.vertices[v]))));
+    let samples = corners.chain(mesh.faces.iter().map(|face| centroid(&face.map(|v| mesh.vertices[v]))));
     let (low, high) = bounds(&mesh.vertices);
     Quality {
         e_isom,
@@ -174,28 +174,6 @@ impl Quality {
     }
 }
 
-fn centre(points: &[Point3]) -> Point3 {
-    Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64)
-}
-
-fn bounds(points: &[Point3]) -> (Vector3, Vector3) {
-    let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
-    points.iter().fold(start, |(low, high), p| (low.inf(&p.coords), high.sup(&p.coords)))
-}
-
-/// Mean distance between neighbouring corners in the sheet; an edge of two pieces counts twice.
-fn mean_edge(design: &Design) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for piece in &design.pieces {
-        for (i, &corner) in piece.corners.iter().enumerate() {
-            let next = piece.corners[(i + 1) % piece.corners.len()];
-            sum += (design.corners[next] - design.corners[corner]).norm();
-            count += 1.0;
-        }
-    }
-    sum / count
-}
-
 /// E_isom at mean edge 1, and the largest relative length error.
 fn length_errors(design: &Design, mean_edge: f64) -> (f64, f64) {
     let (mut energy, mut worst) = (0.0, 0.0_f64);
@@ -217,7 +195,7 @@ fn planarity(design: &Design) -> f64 {
     let mut worst = 0.0_f64;
     for piece in &design.pieces {
         for points in [&piece.closed, &piece.open] {
-            let middle = centre(points);
+            let middle = centroid(points);
             let scatter: nalgebra::Matrix3<f64> =
                 points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
             let eigen = scatter.symmetric_eigen();

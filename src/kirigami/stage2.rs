@@ -6,9 +6,7 @@
 use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
 use super::piece_mesh::PieceMesh;
-use super::terms::{
-    Boundary, CellDimensions, Diagonals, Hold, LinearTerm, OrthogonalDiagonals, PointAt, Proximity,
-};
+use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
 use crate::geometry::{Point2, Point3};
 use crate::solver::{Options, Report, Weighted, minimize};
 
@@ -79,11 +77,11 @@ pub fn stage2(
     let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, &at);
     let border: Vec<usize> = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed).collect();
     let holds = holds(border.iter().map(|&c| start.open_corners[c]), target, cover.follows_outline);
-    let open: Vec<PointAt> = (0..mesh.corner_count)
+    let open = (0..mesh.corner_count)
         .map(|i| at.open_corner(i))
         .chain((0..mesh.pieces.len()).map(|i| at.open_centre(i)))
-        .collect();
-    let boundary = border.iter().zip(holds).map(|(&c, hold)| (at.open_corner(c), hold)).collect();
+        .map(|point| (point, Hold::Surface));
+    let boundary = border.iter().zip(holds).map(|(&c, hold)| (at.open_corner(c), hold));
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
     let mut terms = vec![
         Weighted { term: Box::new(OrthogonalDiagonals::new(both)), weight: weights.orth },
@@ -91,8 +89,8 @@ pub fn stage2(
             term: Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap / scale)),
             weight: weights.geom,
         },
-        Weighted { term: Box::new(Proximity::new(open, target, scale)), weight: weights.prox },
-        Weighted { term: Box::new(Boundary::new(boundary, target, scale)), weight: weights.boundary },
+        Weighted { term: Box::new(Held::new("prox", open, target, scale)), weight: weights.prox },
+        Weighted { term: Box::new(Held::new("boundary", boundary, target, scale)), weight: weights.boundary },
         Weighted { term: Box::new(fairness(mesh, &at, 2)), weight: weights.fair },
         Weighted { term: Box::new(fairness(mesh, &at, 3)), weight: weights.fair },
     ];

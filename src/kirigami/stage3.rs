@@ -10,9 +10,7 @@ use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
 use super::piece_mesh::{Edge, PieceMesh};
 use super::stage2::holds;
-use super::terms::{
-    Boundary, Hold, Isometry, Lengths, LinearTerm, PieceAt, Planarity, PointAt, Proximity, RightAngles,
-};
+use super::terms::{Held, Hold, Isometry, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles};
 use crate::geometry::{Point2, Point3, Vector2, Vector3};
 use crate::solver::{Options, Report, Term, Weighted, minimize};
 
@@ -185,12 +183,12 @@ fn soft_terms<'a>(
 ) -> Vec<Weighted<'a>> {
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
-    let points = (0..mesh.edges.len()).map(|e| at.open(e)).collect();
-    let border = holds.iter().map(|&(e, hold)| (at.open(e), hold)).collect();
+    let points = (0..mesh.edges.len()).map(|e| (at.open(e), Hold::Surface));
+    let border = holds.iter().map(|&(e, hold)| (at.open(e), hold));
     let [fair_closed, fair_open] = fairness(cover, at);
     let terms: [(Box<dyn Term>, f64); 7] = [
-        (Box::new(Proximity::new(points, target, scale)), phase.soft * weights.prox),
-        (Box::new(Boundary::new(border, target, scale)), phase.soft * weights.boundary),
+        (Box::new(Held::new("prox", points, target, scale)), phase.soft * weights.prox),
+        (Box::new(Held::new("boundary", border, target, scale)), phase.soft * weights.boundary),
         (Box::new(Lengths::new("sides", border_sides(cover, at))), phase.soft * weights.sides),
         (Box::new(RightAngles::new("opening", hinge_sides(mesh, at))), phase.soft * weights.opening),
         (Box::new(RightAngles::new("rectangles", piece_corners(mesh, at))), phase.soft * weights.rectangles),

@@ -18,7 +18,7 @@ mod tests;
 pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};
 pub use piece::{Isometry, PieceAt, Planarity};
 pub use shape::{Lengths, LinearTerm, RightAngles};
-pub use target::{Boundary, Hold, Proximity};
+pub use target::{Held, Hold};
 
 use crate::geometry::Vector3;
 

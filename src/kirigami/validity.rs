@@ -8,7 +8,7 @@
 use super::control_mesh::Target;
 use super::design::Design;
 use crate::geometry::mesh::PolyMesh;
-use crate::geometry::{Point3, Vector3};
+use crate::geometry::{Point3, Vector3, centroid};
 
 /// Why a pattern cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -60,12 +60,12 @@ pub fn check(
         let width = least_width_of(&piece.closed);
         // A width that is not a number must not pass.
         if width.is_nan() || width < least_width {
-            return Err(Invalid::Narrow { piece: i, width, least: least_width, at: centre(&cell) });
+            return Err(Invalid::Narrow { piece: i, width, least: least_width, at: centroid(&cell) });
         }
     }
     for (i, face) in filled.faces.iter().enumerate() {
         let polygon: Vec<Point3> = face.iter().map(|&v| filled.vertices[v]).collect();
-        let normal = target.surface.closest(&centre(&polygon)).normal;
+        let normal = target.surface.closest(&centroid(&polygon)).normal;
         check_face(&polygon, &normal, "open", || match i.checked_sub(design.pieces.len()) {
             None => format!("piece {i}"),
             Some(hole) => format!("the hole at corner {}", hole_corners[hole]),
@@ -88,11 +88,7 @@ fn check_face(
     } else {
         return Ok(());
     };
-    Err(Invalid::Face { face: name(), fault, state, at: centre(polygon) })
-}
-
-fn centre(points: &[Point3]) -> Point3 {
-    Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64)
+    Err(Invalid::Face { face: name(), fault, state, at: centroid(polygon) })
 }
 
 /// Area of a polygon projected along `normal`, positive where it runs counter-clockwise seen against the

@@ -1,66 +1,24 @@
-//! Terms that hold points to the target and its boundary.
+//! The term that holds points to the target: to its surface, its boundary, or a place beside the boundary.
 
-use super::{PointAt, indices};
+use super::PointAt;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::control_mesh::Target;
 use crate::solver::Term;
 
-/// Closeness to the target, c_prox: the distance to the tangent plane at the nearest point.
-pub struct Proximity<'a> {
-    points: Vec<PointAt>,
-    unknowns: Vec<usize>,
-    target: &'a Target,
-    /// Millimetres per unit of length of the unknowns.
-    scale: f64,
-    feet: Vec<(Vector3, f64)>,
-}
-
-impl<'a> Proximity<'a> {
-    /// Over points in space.
-    pub fn new(points: Vec<PointAt>, target: &'a Target, scale: f64) -> Self {
-        let feet = vec![(Vector3::zeros(), 0.0); points.len()];
-        Self { unknowns: indices(&points), points, target, scale, feet }
-    }
-}
-
-impl Term for Proximity<'_> {
-    fn name(&self) -> &'static str {
-        "prox"
-    }
-    fn blocks(&self) -> usize {
-        self.points.len()
-    }
-    fn rows(&self, _: usize) -> usize {
-        1
-    }
-    fn unknowns(&self, b: usize) -> &[usize] {
-        &self.unknowns[3 * b..3 * b + 3]
-    }
-    fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
-        let (normal, offset) = &self.feet[b];
-        residuals[0] = self.points[b].read(x).dot(normal) - offset;
-        jacobian.copy_from_slice(normal.as_slice());
-    }
-    fn refresh(&mut self, x: &[f64]) {
-        for (point, foot) in self.points.iter().zip(&mut self.feet) {
-            let found = self.target.surface.closest(&Point3::from(point.read(x) * self.scale));
-            *foot = (found.normal, found.point.coords.dot(&found.normal) / self.scale);
-        }
-    }
-}
-
-/// What a border point of the pattern is held to.
+/// What a point of the open state is held to. Within the plane that this gives it may glide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hold {
-    /// The target's boundary; the point may glide along it.
+    /// The target's surface: c_prox, the distance to the tangent plane at the nearest point.
+    Surface,
+    /// The target's boundary, measured outwards along the surface.
     Boundary,
     /// A plane given by a point (millimetres) and a unit normal.
     Plane(Point3, Vector3),
 }
 
-/// Keeps the pattern's border on the target's boundary, or where it was in Stage 1, measured outwards along
-/// the surface.
-pub struct Boundary<'a> {
+/// Keeps points in space near what they are held to. One residual per point.
+pub struct Held<'a> {
+    name: &'static str,
     points: Vec<(PointAt, Hold)>,
     unknowns: Vec<usize>,
     target: &'a Target,
@@ -69,18 +27,24 @@ pub struct Boundary<'a> {
     feet: Vec<(Vector3, f64)>,
 }
 
-impl<'a> Boundary<'a> {
-    /// Over points in space with what they are held to.
-    pub fn new(points: Vec<(PointAt, Hold)>, target: &'a Target, scale: f64) -> Self {
+impl<'a> Held<'a> {
+    /// Points in space, each with what it is held to.
+    pub fn new(
+        name: &'static str,
+        points: impl IntoIterator<Item = (PointAt, Hold)>,
+        target: &'a Target,
+        scale: f64,
+    ) -> Self {
+        let points: Vec<(PointAt, Hold)> = points.into_iter().collect();
         let unknowns = points.iter().flat_map(|(p, _)| p.indices()).collect();
         let feet = vec![(Vector3::zeros(), 0.0); points.len()];
-        Self { points, unknowns, target, scale, feet }
+        Self { name, points, unknowns, target, scale, feet }
     }
 }
 
-impl Term for Boundary<'_> {
+impl Term for Held<'_> {
     fn name(&self) -> &'static str {
-        "boundary"
+        self.name
     }
     fn blocks(&self) -> usize {
         self.points.len()
@@ -98,10 +62,15 @@ impl Term for Boundary<'_> {
     }
     fn refresh(&mut self, x: &[f64]) {
         for ((point, hold), foot) in self.points.iter().zip(&mut self.feet) {
+            let here = Point3::from(point.read(x) * self.scale);
             let (at, normal) = match hold {
                 Hold::Plane(at, normal) => (*at, *normal),
+                Hold::Surface => {
+                    let found = self.target.surface.closest(&here);
+                    (found.point, found.normal)
+                }
                 Hold::Boundary => {
-                    let found = self.target.boundary.closest(&Point3::from(point.read(x) * self.scale));
+                    let found = self.target.boundary.closest(&here);
                     (found.point, found.conormal)
                 }
             };

@@ -43,8 +43,9 @@ fn jacobians_agree_with_differences() {
         Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
         Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
         Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),
-        Box::new(Proximity::new(vec![at(0, 3), at(6, 3)], &target, 2.0)),
-        Box::new(Boundary::new(
+        Box::new(Held::new("prox", [at(0, 3), at(6, 3)].map(|p| (p, Hold::Surface)), &target, 2.0)),
+        Box::new(Held::new(
+            "boundary",
             vec![
                 (at(0, 3), Hold::Plane(Point3::new(1.0, 2.0, 3.0), Vector3::y())),
                 (at(3, 3), Hold::Boundary),
@@ -65,7 +66,7 @@ fn jacobians_agree_with_differences() {
 #[test]
 fn proximity_and_boundary_measure_distances() {
     let target = target();
-    let mut proximity = Proximity::new(vec![at(0, 3)], &target, 1.0);
+    let mut proximity = Held::new("prox", [(at(0, 3), Hold::Surface)], &target, 1.0);
     let x = [1.0, 2.0, 3.0];
     proximity.refresh(&x);
     let mut residual = [0.0];
@@ -74,7 +75,7 @@ fn proximity_and_boundary_measure_distances() {
     // The two facets differ by about two degrees, so the smooth normal shortens by at most 1e-3.
     assert!((residual[0].abs() / distance - 1.0).abs() < 1e-3, "{} {distance}", residual[0]);
     // A point outside, straight before the middle of the edge y = -9 .. -8: positive distance outwards.
-    let mut boundary = Boundary::new(vec![(at(0, 3), Hold::Boundary)], &target, 1.0);
+    let mut boundary = Held::new("boundary", [(at(0, 3), Hold::Boundary)], &target, 1.0);
     let outside = [0.0, -10.5, 0.05];
     boundary.refresh(&outside);
     boundary.evaluate(0, &outside, &mut residual, &mut [0.0; 3]);

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use kurbo::{Affine, Point, Rect, Vec2};
 use svg::node::element::{ClipPath, Group};
 
-use super::opening::centre;
 use super::page::{
     self, INK, LIGAMENT, bounds, colour, dimension, dots, number, push_polyline, rectangle, scale_of,
     segment, simplified, stroke, text, text_with_halo, turn_arrow,
@@ -15,7 +14,7 @@ use super::{Scene, opened_corner};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::HingeRow;
 use crate::fabrication::layout::{CutKind, CutLayout, CutPath};
-use crate::geometry::Point3;
+use crate::geometry::{Point3, centroid};
 
 /// Half the window's side over the reach of the ligaments and their bars.
 const WINDOW: f64 = 1.3;
@@ -185,7 +184,7 @@ fn grooves(paths: &[CutPath], kerf: f64, map: Affine, window: Rect) -> Group {
 fn turn_arrows(scene: &Scene, corner: &Corner, map: Affine, window: Rect) -> Group {
     let mut group = Group::new();
     for piece in pieces_at(scene, corner) {
-        let middle = map * flat(&centre(&scene.fabrication.design.pieces[piece].closed));
+        let middle = map * flat(&centroid(&scene.fabrication.design.pieces[piece].closed));
         let away = middle - window.center();
         let reach = 0.36 * window.width();
         let at = window.center() + reach * Vec2::new(away.x.signum(), away.y.signum());

@@ -5,12 +5,11 @@ use svg::node::element::Group;
 
 use super::Scene;
 use super::detail::{Corner, pieces_at};
-use super::opening::centre;
 use super::page::{
     self, INK, arrow_head, bounds, colour, dots, fit, fixed, push_polyline, simplified, stroke,
     text_with_halo, turn_arrow,
 };
-use crate::geometry::{Point3, Vector3};
+use crate::geometry::{Point3, Vector3, centroid};
 use crate::kirigami::design::Piece;
 
 /// Vertices that change a drawn outline by less are left out, page millimetres.
@@ -40,7 +39,7 @@ pub fn picture(scene: &Scene, corner: &Corner, window: Rect) -> Group {
         let contour: Vec<Point> = contour.iter().map(|&p| map * p).collect();
         let mut data = String::new();
         push_polyline(&mut data, simplified(&contour, TOLERANCE), true, 2);
-        let middle = map * project(&centre(&scene.fabrication.design.pieces[piece].open));
+        let middle = map * project(&centroid(&scene.fabrication.design.pieces[piece].open));
         group = group
             .add(page::area(data, &colour(sense.tone())).set("stroke", "#555555").set("stroke-width", "0.2"))
             .add(turn_arrow(middle, 3.6, sense, 0.6));

@@ -3,7 +3,7 @@
 
 use super::page::Sense;
 use crate::geometry::rotation::RigidMotion;
-use crate::geometry::{Point3, Vector3};
+use crate::geometry::{Point3, Vector3, centroid};
 use crate::kirigami::design::Design;
 
 /// What the upper side of the sheet becomes.
@@ -77,7 +77,7 @@ fn frame(motions: &[RigidMotion]) -> [Vector3; 3] {
 
 /// Across every hinge the normals of the two pieces open like a fan (convex) or close (concave).
 fn bend(design: &Design, motions: &[RigidMotion]) -> Bend {
-    let centres: Vec<Point3> = design.pieces.iter().map(|piece| centre(&piece.open)).collect();
+    let centres: Vec<Point3> = design.pieces.iter().map(|piece| centroid(&piece.open)).collect();
     let (mut convex, mut concave) = (0.0, 0.0);
     for hinge in &design.hinges {
         let [j, k] = hinge.pieces;
@@ -101,11 +101,6 @@ fn bend(design: &Design, motions: &[RigidMotion]) -> Bend {
     } else {
         Bend::Mixed
     }
-}
-
-/// The mean of points.
-pub fn centre(points: &[Point3]) -> Point3 {
-    Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / points.len() as f64)
 }
 
 #[cfg(test)]

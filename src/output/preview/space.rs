@@ -7,7 +7,7 @@ use super::Scene;
 use super::page::{
     self, GREY, Sense, arrow, colour, fit, number, push_polyline, simplified, text, text_with_halo,
 };
-use crate::geometry::{Point3, Vector3};
+use crate::geometry::{Point3, Vector3, centroid};
 
 /// Angle between the mean normal and the line of sight of the slanting view, degrees.
 const TILT: f64 = 52.0;
@@ -93,7 +93,7 @@ fn picture(scene: &Scene, faces: &[Vec<Point3>], view: &View, area: Rect) -> Gro
     let mut order: Vec<(f64, usize)> = faces
         .iter()
         .enumerate()
-        .map(|(piece, face)| (super::opening::centre(face).coords.dot(&view.towards), piece))
+        .map(|(piece, face)| (centroid(face).coords.dot(&view.towards), piece))
         .collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut group = Group::new();
