@@ -9,7 +9,7 @@ use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::geometry::flatten::{ConformalScale, FlattenError, Flattening, flatten};
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::read::{ReadMeshError, read_mesh};
-use crate::geometry::topology::{Defect, NotADisk, check_disk, disk};
+use crate::geometry::topology::{Defect, NotADisk, check_disk};
 use crate::geometry::triangulate::{Surface, TriangulateError, triangulate};
 use crate::geometry::{Point3, Vector2, bounds};
 use crate::job::{Job, Shape};
@@ -182,12 +182,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
 /// A mesh that cannot be used, a target that cannot be reached.
 pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let path = target_path(job);
-    let Surface { mesh, face_of, .. } = clock.run("read", |_| read_target(job, path))?;
-    let cycle = disk(&mesh.faces).map_err(|defect| PipelineError::Topology {
-        path: path.to_owned(),
-        source: NotADisk { defect, at: None },
-    })?;
-    let cycle = cycle.boundary;
+    let (Surface { mesh, face_of, .. }, cycle) = clock.run("read", |_| read_target(job, path))?;
     let flatten_error = |source| match source {
         // Faces are counted from 1, as OBJ files do.
         FlattenError::Folded { triangle, ratio } => PipelineError::Folded {
@@ -262,16 +257,24 @@ fn target_path(job: &Job) -> &Path {
     }
 }
 
-/// Reads the target, checks that it is a disk, and scales it to millimetres.
-fn read_target(job: &Job, path: &Path) -> Result<Surface, PipelineError> {
+/// Reads the target, checks that it is a disk, and scales it to millimetres. Returns also its boundary loop, the
+/// surface on the left.
+fn read_target(job: &Job, path: &Path) -> Result<(Surface, Vec<usize>), PipelineError> {
     let mesh = read_mesh(path)?;
-    check_disk(&mesh).map_err(|source| PipelineError::Topology { path: path.to_owned(), source })?;
+    let disk =
+        check_disk(&mesh).map_err(|source| PipelineError::Topology { path: path.to_owned(), source })?;
     let (low, high) = bounds(mesh.faces.iter().flatten().map(|&v| &mesh.vertices[v]));
     let scale = match job.target.size {
         Some(size) => size / (high - low).max(),
         None => job.target.units.millimetres(),
     };
-    triangulate(&mesh, scale).map_err(|source| PipelineError::Triangulate { path: path.to_owned(), source })
+    let surface = triangulate(&mesh, scale)
+        .map_err(|source| PipelineError::Triangulate { path: path.to_owned(), source })?;
+    // Splitting faces leaves the boundary as it is; only the numbers of its vertices change, and these ascend.
+    let number =
+        |vertex: &usize| surface.vertex_of.binary_search(vertex).expect("boundary vertices are used");
+    let cycle = disk.boundary.iter().map(number).collect();
+    Ok((surface, cycle))
 }
 
 /// The direction in the flattening that comes nearest to the target's x axis (y, where the target has no
