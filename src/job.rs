@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::kirigami::cover::PieceSize;
+use crate::kirigami::cover::{Boundary, PieceSize};
 use crate::kirigami::design::PatternKind;
 use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
@@ -87,6 +87,8 @@ pub struct Pattern {
     /// Open-state stretches m1 and m2 along the grid's first and second direction (the paper's principal stretches,
     /// Eq. (1)). They satisfy 1/m1 + 1/m2 = sqrt 2 exactly: what the file gives within 0.1 % is scaled onto it.
     pub stretches: [f64; 2],
+    /// How the pattern meets the target's outline; `None` for what fits it.
+    pub boundary: Option<Boundary>,
     /// Distance between the two hinge points of an inner corner, millimetres; 0 is the paper's model.
     pub gap: f64,
 }
@@ -101,10 +103,11 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 9] = [
+pub const DEFAULTS: [(&str, &str); 10] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("pattern.stretches", "[1.41421356, 1.41421356]"),
+    ("pattern.boundary", "\"glide\" where the outline has four corners, else \"trimmed\""),
     ("pattern.gap_mm", "the profile's ligament width plus kerf"),
     ("pattern.opening", "\"full\""),
     ("fabrication.sheet_mm", "the profile's sheet"),

@@ -203,7 +203,8 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         let flat = flatten(&mesh, &scale).map_err(flatten_error)?;
         let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
         let first = first_axis(&mesh, &flat.points);
-        let cover = cover(&outline, &first, job.pattern.pieces, job.pattern.stretches, gap)?;
+        let cover =
+            cover(&outline, &first, job.pattern.pieces, job.pattern.stretches, gap, job.pattern.boundary)?;
         let control = stage1(&cover, &mesh, &flat.points);
         Ok((cover, control, flattening_report(&flat), ratio))
     })?;

@@ -28,7 +28,7 @@ fn solve(mesh: &TriMesh, counts: [usize; 2], stretches: [f64; 2], gap: f64) -> S
     let flat = flatten(mesh, &scale).unwrap();
     let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
     let first: Vector2 = flat.points[1] - flat.points[0];
-    let cover = cover(&outline, &first, PieceSize::Counts(counts), stretches, gap).unwrap();
+    let cover = cover(&outline, &first, PieceSize::Counts(counts), stretches, gap, None).unwrap();
     let target = Target::new(mesh.clone(), &cycle);
     let control = stage1(&cover, mesh, &flat.points);
     let quiet = &mut |_, _| ();

@@ -44,7 +44,7 @@ fn sheet(mesh: &TriMesh) -> Fabrication {
     let flat = flatten::flatten(mesh, &flatten::ConformalScale::solve(mesh, &cycle).unwrap()).unwrap();
     let outline: Vec<Point2> = cycle.iter().map(|&v| flat.points[v]).collect();
     let stretches = [std::f64::consts::SQRT_2; 2];
-    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap).unwrap();
+    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();
     let target = Target::new(mesh.clone(), &cycle);
     let start = stage1(&cover, mesh, &flat.points);
     let mut quiet = |_: usize, _: f64| ();

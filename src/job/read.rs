@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{DxfVersion, Fabrication, Job, JobError, Pattern, PieceSize, Shape, Target, Units};
+use super::{Boundary, DxfVersion, Fabrication, Job, JobError, Pattern, PieceSize, Shape, Target, Units};
 use crate::kirigami::design::PatternKind;
 use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
 use crate::toml_source::{Limits, TomlError, TomlSource};
@@ -71,6 +71,7 @@ struct RawPattern {
     pieces: Option<Pair<i64>>,
     piece_mm: Option<Spanned<f64>>,
     stretches: Option<Pair<f64>>,
+    boundary: Option<Spanned<String>>,
     gap_mm: Option<Spanned<f64>>,
     opening: Option<Spanned<String>>,
 }
@@ -98,10 +99,12 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let kind = kind(&source, raw.pattern.get_ref())?;
     let pieces = pieces(&source, &raw.pattern)?;
     let stretches = stretches(&source, raw.pattern.get_ref().stretches.as_ref())?;
+    let boundary = boundary(&source, raw.pattern.get_ref().boundary.as_ref())?;
     let gap = source.optional(raw.pattern.get_ref().gap_mm.as_ref(), &GAP)?;
     let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
-    Ok(Job { folder, target, pattern: Pattern { kind, pieces, stretches, gap }, fabrication })
+    let pattern = Pattern { kind, pieces, stretches, boundary, gap };
+    Ok(Job { folder, target, pattern, fabrication })
 }
 
 fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target, TomlError> {
@@ -204,6 +207,15 @@ fn stretches(source: &TomlSource, value: Option<&Pair<f64>>) -> Result<[f64; 2],
     );
     let fitting = (1.0 / (SQRT_2 - 1.0 / m1)).clamp(*STRETCH.range.start(), *STRETCH.range.end());
     Err(source.value_error(second.span(), &what, format!("with m1 = {m1} take m2 = {fitting:.4}")))
+}
+
+fn boundary(source: &TomlSource, value: Option<&Spanned<String>>) -> Result<Option<Boundary>, TomlError> {
+    let words = [
+        ("glide", Boundary::Glide),
+        ("fixed-corners", Boundary::FixedCorners),
+        ("trimmed", Boundary::Trimmed),
+    ];
+    choice(source, value, &words)
 }
 
 fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Result<Fabrication, JobError> {

@@ -13,6 +13,7 @@ size_mm = 300.0
 kind = "rotating-rectangles"
 pieces = [30, 20]
 stretches = [1.3, 1.5505]
+boundary = "fixed-corners"
 gap_mm = 0.0
 opening = "full"
 
@@ -72,6 +73,7 @@ fn a_job_that_says_everything() {
     assert_eq!((job.target.units.millimetres(), job.target.size), (10.0, Some(300.0)));
     assert_eq!(job.pattern.kind, PatternKind::RotatingRectangles);
     assert_eq!(job.pattern.pieces, PieceSize::Counts([30, 20]));
+    assert_eq!(job.pattern.boundary, Some(Boundary::FixedCorners));
     assert_eq!(job.pattern.gap, 0.0);
     assert_eq!(job.fabrication.dxf, DxfVersion::R12);
     let profile = &job.fabrication.profile;
@@ -89,7 +91,7 @@ fn keys_left_out_have_their_documented_defaults() {
     }
     let job = folder.read(&shortest).unwrap();
     assert_eq!((job.target.units, job.target.size), (Units::Millimetres, None));
-    assert_eq!(job.pattern.stretches, [SQRT_2, SQRT_2]);
+    assert_eq!((job.pattern.stretches, job.pattern.boundary), ([SQRT_2, SQRT_2], None));
     let profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
     assert_eq!(job.pattern.gap, profile.hinge_gap());
     assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000 });
@@ -181,6 +183,7 @@ fn faulty_values_are_named_with_place_and_range() {
         ("opening", "piece_mm = 10", "both pieces and piece_mm"),
         ("stretches", "stretches = [0.7, 1.4]", "0.8 to 6.1"),
         ("stretches", "stretches = [1.4, nan]", "0.8 to 6.1"),
+        ("boundary", "boundary = \"free\"", "\"glide\", \"fixed-corners\", \"trimmed\""),
         ("gap_mm", "gap_mm = -0.1", "0 to 100 mm"),
         ("kerf_mm", "kerf_mm = 3", "0.005 to 2 mm"),
         ("kerf_mm", "kerf_mm = 0.4", "min_web_mm = 0.35"),
@@ -216,7 +219,7 @@ fn each_key_refuses_impossible_values_by_name() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 7 * 15);
+    assert_eq!(tried, 7 * 16);
 }
 
 #[test]

@@ -14,7 +14,7 @@ const CORNER_TURN: f64 = 50.0 * PI / 180.0;
 /// Largest turning away from corners.
 const SIDE_TURN: f64 = 35.0 * PI / 180.0;
 /// Opposite sides may differ by this factor.
-const SIDE_RATIO: f64 = 1.25;
+pub const SIDE_RATIO: f64 = 1.25;
 
 /// The four sides of a counter-clockwise outline that has exactly four corners, as polylines from corner to
 /// corner, counter-clockwise; the first is the one whose direction comes nearest to `axis`. `None` where the

@@ -2,9 +2,10 @@
 //!
 //! Where the outline has four corners and opposite sides of similar length, the grid follows the outline: its
 //! four sides lie on the four sides of the target. Otherwise a straight grid covers the outline's smallest
-//! bounding rectangle, and cells that lie outside by more than a sixth are left away.
+//! bounding rectangle, and cells that lie outside by more than a sixth are left away. The user may choose
+//! otherwise ([`Boundary`]).
 
-use super::corners::four_corners;
+use super::corners::{SIDE_RATIO, four_corners};
 use super::piece_mesh::PieceMesh;
 use crate::geometry::{Point2, Vector2};
 use std::collections::BTreeSet;
@@ -16,6 +17,17 @@ pub enum PieceSize {
     Counts([usize; 2]),
     /// Mean side of a closed piece, millimetres.
     Edge(f64),
+}
+
+/// How the pattern meets the target's outline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Boundary {
+    /// The grid's four sides lie on the outline's four sides and glide along them.
+    Glide,
+    /// As [`Boundary::Glide`], and the sheet's four corners stay on the outline's four corners.
+    FixedCorners,
+    /// A straight grid of whole cells, whatever the outline.
+    Trimmed,
 }
 
 /// Dimensions of the model cell (section 2.1), with the gap between hinge points.
@@ -59,13 +71,25 @@ pub struct Cover {
     pub centres: Vec<Point2>,
     /// Dimensions of a cell.
     pub cell: ModelCell,
-    /// Whether the grid's four sides follow the outline's four sides.
-    pub follows_outline: bool,
+    /// How the grid meets the outline.
+    pub boundary: Boundary,
+    /// The fixed corners, each with the index of its point of the outline; none where corners are free.
+    pub tips: Vec<(usize, usize)>,
 }
 
 /// Why no grid can be laid.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum CoverError {
+    /// The outline is not what the asked boundary needs.
+    #[error(
+        "the target's outline does not have four corners with opposite sides of similar length (within {:.0} %), \
+         which boundary = \"{asked}\" needs: leave [pattern] boundary out, or say \"trimmed\"",
+        100.0 * (SIDE_RATIO - 1.0)
+    )]
+    NotFourCorners {
+        /// The word in the job file.
+        asked: &'static str,
+    },
     /// Too few pieces.
     #[error(
         "the pattern would have {pieces} pieces; at least 2 x 2 must fit on the target: ask for more or smaller pieces"
@@ -104,16 +128,19 @@ pub const MOST_PIECES: usize = 1_000_000;
 const LEAST_SIDE_IN_GAPS: f64 = 4.0;
 
 /// Lays the grid. `outline` is the flattened boundary, counter-clockwise; `first` the direction in the plane
-/// that the grid's first axis should come nearest to.
+/// that the grid's first axis should come nearest to; `boundary` the asked boundary, `None` for the one that fits
+/// the outline: gliding where it has four corners, else trimmed.
 ///
 /// # Errors
-/// [`CoverError`] where too few or too many pieces fit, or the pieces are too small for the gap.
+/// [`CoverError`] where too few or too many pieces fit, the pieces are too small for the gap, or the outline is not
+/// what the asked boundary needs.
 pub fn cover(
     outline: &[Point2],
     first: &Vector2,
     size: PieceSize,
     stretches: [f64; 2],
     gap: f64,
+    boundary: Option<Boundary>,
 ) -> Result<Cover, CoverError> {
     let frame = Frame::smallest_rectangle(outline, first);
     let open = match size {
@@ -129,17 +156,30 @@ pub fn cover(
     if wanted > MOST_PIECES as f64 {
         return Err(CoverError::TooMany { pieces: wanted, limit: MOST_PIECES });
     }
-    let cover = match four_corners(outline, &frame.axis) {
-        Some(sides) => {
+    let sides = match boundary {
+        Some(Boundary::Trimmed) => None,
+        _ => four_corners(outline, &frame.axis),
+    };
+    let cover = match (sides, boundary) {
+        (Some(sides), _) => {
             let counts = fitted_counts(&sides, size, open, area(outline));
             let cells = f64::from(counts[0] * counts[1]);
             let cell = match size {
                 PieceSize::Counts(_) => ModelCell::from_open((area(outline) / cells).sqrt(), stretches, gap),
                 PieceSize::Edge(_) => cell,
             };
-            fitted(&sides, counts, cell)
+            let boundary = boundary.unwrap_or(Boundary::Glide);
+            let mut cover = fitted(&sides, counts, cell, boundary);
+            if boundary == Boundary::FixedCorners {
+                cover.tips = tips(&cover.positions, counts, &sides, outline);
+            }
+            cover
         }
-        None => trimmed(outline, &frame, cell),
+        (None, Some(Boundary::Glide)) => return Err(CoverError::NotFourCorners { asked: "glide" }),
+        (None, Some(Boundary::FixedCorners)) => {
+            return Err(CoverError::NotFourCorners { asked: "fixed-corners" });
+        }
+        (None, _) => trimmed(outline, &frame, cell),
     };
     let pieces = cover.mesh.pieces.len();
     if pieces < 4 { Err(CoverError::TooFew { pieces }) } else { Ok(cover) }
@@ -237,7 +277,7 @@ fn fitted_counts(sides: &[Vec<Point2>; 4], size: PieceSize, open: f64, area: f64
 const MOST_ASPECT: f64 = 1.15;
 
 /// A grid whose sides follow the four sides of the outline: a Coons patch over equal divisions of the sides.
-fn fitted(sides: &[Vec<Point2>; 4], [nx, ny]: [i32; 2], cell: ModelCell) -> Cover {
+fn fitted(sides: &[Vec<Point2>; 4], [nx, ny]: [i32; 2], cell: ModelCell, boundary: Boundary) -> Cover {
     let cells: Vec<[i32; 2]> = (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j])).collect();
     let patch = |x: f64, y: f64| {
         let (s, t) = (x / f64::from(nx), y / f64::from(ny));
@@ -249,7 +289,22 @@ fn fitted(sides: &[Vec<Point2>; 4], [nx, ny]: [i32; 2], cell: ModelCell) -> Cove
         let bilinear = (c00 * (1.0 - s) + c10 * s) * (1.0 - t) + (c01 * (1.0 - s) + c11 * s) * t;
         Point2::from(bottom * (1.0 - t) + top * t + left * (1.0 - s) + right * s - bilinear)
     };
-    build(&cells, patch, cell, true)
+    build(&cells, patch, cell, boundary)
+}
+
+/// The four corners of a grid that follows the outline, each with its point of the outline: the start of a side.
+fn tips(
+    positions: &[[i32; 2]],
+    [nx, ny]: [i32; 2],
+    sides: &[Vec<Point2>; 4],
+    outline: &[Point2],
+) -> Vec<(usize, usize)> {
+    let ends = [[0, 0], [nx, 0], [nx, ny], [0, ny]];
+    let pair = |(end, side): (&[i32; 2], &Vec<Point2>)| {
+        let corner = positions.iter().position(|position| position == end)?;
+        Some((corner, outline.iter().position(|p| *p == side[0])?))
+    };
+    ends.iter().zip(sides).filter_map(pair).collect()
 }
 
 /// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of
@@ -272,7 +327,7 @@ fn trimmed(outline: &[Point2], frame: &Frame, cell: ModelCell) -> Cover {
     }
     let (_, shift, cells) = best.expect("at least one position");
     let at = |x: f64, y: f64| frame.point((x - shift.x) * cell.open, (y - shift.y) * cell.open);
-    build(&cells.into_iter().collect::<Vec<_>>(), at, cell, false)
+    build(&cells.into_iter().collect::<Vec<_>>(), at, cell, Boundary::Trimmed)
 }
 
 /// Positions of the grid per direction that are tried.
@@ -368,16 +423,11 @@ fn tidy(cells: &mut BTreeSet<[i32; 2]>) {
     *cells = largest;
 }
 
-fn build(
-    cells: &[[i32; 2]],
-    at: impl Fn(f64, f64) -> Point2,
-    cell: ModelCell,
-    follows_outline: bool,
-) -> Cover {
+fn build(cells: &[[i32; 2]], at: impl Fn(f64, f64) -> Point2, cell: ModelCell, boundary: Boundary) -> Cover {
     let (mesh, positions) = PieceMesh::from_cells(cells);
     let corners = positions.iter().map(|&[i, j]| at(f64::from(i), f64::from(j))).collect();
     let centres = cells.iter().map(|&[i, j]| at(f64::from(i) + 0.5, f64::from(j) + 0.5)).collect();
-    Cover { mesh, positions, corners, centres, cell, follows_outline }
+    Cover { mesh, positions, corners, centres, cell, boundary, tips: Vec::new() }
 }
 
 fn length(line: &[Point2]) -> f64 {
@@ -435,8 +485,8 @@ mod tests {
         for turn in [0.0, 0.3, -0.6] {
             let outline = rectangle(30.0, 20.0, turn);
             let first = Vector2::new(f64::cos(turn), f64::sin(turn));
-            let cover = cover(&outline, &first, PieceSize::Counts([15, 10]), [SQRT_2; 2], 0.0).unwrap();
-            assert!(cover.follows_outline);
+            let cover = cover(&outline, &first, PieceSize::Counts([15, 10]), [SQRT_2; 2], 0.0, None).unwrap();
+            assert_eq!(cover.boundary, Boundary::Glide);
             assert_eq!(cover.mesh.pieces.len(), 150);
             assert!((cover.cell.open - 2.0).abs() < 1e-9);
             assert!((cover.cell.edge() - SQRT_2).abs() < 1e-9);
@@ -447,13 +497,46 @@ mod tests {
     }
 
     #[test]
+    fn the_asked_boundary_is_taken_or_refused() {
+        let lay = |outline: &[Point2], boundary| {
+            cover(outline, &Vector2::x(), PieceSize::Counts([15, 10]), [SQRT_2; 2], 0.0, boundary)
+        };
+        let four = rectangle(30.0, 20.0, 0.0);
+        let pinned = lay(&four, Some(Boundary::FixedCorners)).unwrap();
+        // Each corner of the sheet lies on its corner of the outline: the rectangle's own four, in order.
+        let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 20.0]].map(Point2::from);
+        for ((corner, outline), expected) in pinned.tips.iter().zip(corners) {
+            assert_eq!(pinned.mesh.fans[*corner].edges.len(), 2);
+            assert!(
+                (pinned.corners[*corner] - expected).norm() < 1e-9
+                    && (four[*outline] - expected).norm() < 1e-9
+            );
+        }
+        assert_eq!((pinned.boundary, pinned.tips.len()), (Boundary::FixedCorners, 4));
+        for boundary in [Boundary::Glide, Boundary::Trimmed] {
+            let cover = lay(&four, Some(boundary)).unwrap();
+            assert_eq!((cover.boundary, cover.mesh.pieces.len()), (boundary, 150));
+            assert_eq!(cover.tips, []);
+        }
+        let round: Vec<Point2> =
+            (0..90).map(|k| PI / 45.0 * k as f64).map(|t| Point2::new(t.cos(), t.sin())).collect();
+        assert_eq!(lay(&round, Some(Boundary::Trimmed)).unwrap().boundary, Boundary::Trimmed);
+        for (boundary, word) in
+            [(Boundary::Glide, "\"glide\""), (Boundary::FixedCorners, "\"fixed-corners\"")]
+        {
+            let error = lay(&round, Some(boundary)).unwrap_err().to_string();
+            assert!(error.contains(word) && error.contains("four corners"), "{error}");
+        }
+    }
+
+    #[test]
     fn a_disk_is_covered_by_a_tidy_staircase() {
         let outline: Vec<Point2> = (0..200)
             .map(|k| 2.0 * PI * k as f64 / 200.0)
             .map(|t| Point2::new(t.cos(), t.sin()) * 10.0)
             .collect();
-        let cover = cover(&outline, &Vector2::x(), PieceSize::Edge(1.0), [SQRT_2; 2], 0.0).unwrap();
-        assert!(!cover.follows_outline);
+        let cover = cover(&outline, &Vector2::x(), PieceSize::Edge(1.0), [SQRT_2; 2], 0.0, None).unwrap();
+        assert_eq!(cover.boundary, Boundary::Trimmed);
         let area = cover.mesh.pieces.len() as f64 * cover.cell.open.powi(2);
         // Border cells lie inside by two thirds or more, so a cell a side goes missing at most: perimeter /
         // side = 44.
@@ -478,12 +561,12 @@ mod tests {
     #[test]
     fn refuses_what_cannot_be_made() {
         let outline = rectangle(30.0, 20.0, 0.0);
-        let lay = |size, gap| cover(&outline, &Vector2::x(), size, [SQRT_2; 2], gap);
+        let lay = |size, gap| cover(&outline, &Vector2::x(), size, [SQRT_2; 2], gap, None);
         assert!(matches!(lay(PieceSize::Edge(1.0), 0.55), Err(CoverError::GapTooWide { .. })));
         assert!(matches!(lay(PieceSize::Edge(0.001), 0.0), Err(CoverError::TooMany { .. })));
         let hexagon: Vec<Point2> =
             (0..6).map(|k| PI / 3.0 * k as f64).map(|t| Point2::new(t.cos(), t.sin())).collect();
-        let lone = cover(&hexagon, &Vector2::x(), PieceSize::Edge(5.0), [SQRT_2; 2], 0.0);
+        let lone = cover(&hexagon, &Vector2::x(), PieceSize::Edge(5.0), [SQRT_2; 2], 0.0, None);
         assert!(matches!(lone, Err(CoverError::TooFew { .. })));
     }
 }

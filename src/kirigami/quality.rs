@@ -136,7 +136,8 @@ impl Quality {
         const FIT: &str = "the target asks for more stretch than the pattern has; cut it into parts, or use smaller \
                            pieces";
         const COVER: &str = "the outline has tips or necks that whole pieces do not reach (three pieces wide at \
-                             least); round or widen them, use smaller pieces, or cut the target into parts";
+                             least); round or widen them, use smaller pieces, choose another [pattern] \
+                             boundary, or cut the target into parts";
         const SIZE: &str = "pieces of this size do not fit the target; ask for smaller ones, or other counts";
         const RIGID: &str =
             "the pieces cannot be the same in both states; use smaller pieces or a less curved target";

@@ -4,14 +4,14 @@
 //! stretch, closeness to the target and to its boundary, fairness.
 
 use super::control_mesh::{ControlMesh, Target};
-use super::cover::Cover;
+use super::cover::{Boundary, Cover};
 use super::piece_mesh::PieceMesh;
 use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
 use crate::geometry::{Point2, Point3};
 use crate::solver::{Options, Report, Weighted, minimize};
 
 /// Weights of the terms, for meshes whose mean edge is 1.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// Orthogonal diagonals.
     pub orth: f64,
@@ -21,6 +21,8 @@ pub struct Weights {
     pub prox: f64,
     /// Distance to the target's boundary.
     pub boundary: f64,
+    /// Distance of fixed corners from the outline's.
+    pub corners: f64,
     /// Fairness of the mesh polylines.
     pub fair: f64,
 }
@@ -29,7 +31,7 @@ impl Default for Weights {
     /// The paper's hard weights; closeness ten times the paper's and fairness a tenth of it, because the
     /// pattern then stays on the target at its size instead of shrinking.
     fn default() -> Self {
-        Self { orth: 1.0, geom: 1.0, prox: 0.1, boundary: 0.1, fair: 0.001 }
+        Self { orth: 1.0, geom: 1.0, prox: 0.1, boundary: 0.1, corners: 0.6, fair: 0.001 }
     }
 }
 
@@ -75,13 +77,15 @@ pub fn stage2(
     let at = Unknowns { corners: mesh.corner_count, pieces: mesh.pieces.len() };
     let mut x = pack(start, scale);
     let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, &at);
-    let border: Vec<usize> = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed).collect();
-    let holds = holds(border.iter().map(|&c| start.open_corners[c]), target, cover.follows_outline);
+    let border = (0..mesh.corner_count)
+        .filter(|&c| !mesh.fans[c].closed)
+        .map(|c| (at.open_corner(c), start.open_corners[c]));
+    let boundary = border_holds(border, target, cover.boundary);
+    let corners = corner_holds(cover, target, |c| at.open_corner(c));
     let open = (0..mesh.corner_count)
         .map(|i| at.open_corner(i))
         .chain((0..mesh.pieces.len()).map(|i| at.open_centre(i)))
         .map(|point| (point, Hold::Surface));
-    let boundary = border.iter().zip(holds).map(|(&c, hold)| (at.open_corner(c), hold));
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
     let mut terms = vec![
         Weighted { term: Box::new(OrthogonalDiagonals::new(both)), weight: weights.orth },
@@ -91,6 +95,7 @@ pub fn stage2(
         },
         Weighted { term: Box::new(Held::new("prox", open, target, scale)), weight: weights.prox },
         Weighted { term: Box::new(Held::new("boundary", boundary, target, scale)), weight: weights.boundary },
+        Weighted { term: Box::new(Held::new("corners", corners, target, scale)), weight: weights.corners },
         Weighted { term: Box::new(fairness(mesh, &at, 2)), weight: weights.fair },
         Weighted { term: Box::new(fairness(mesh, &at, 3)), weight: weights.fair },
     ];
@@ -98,23 +103,36 @@ pub fn stage2(
     (unpack(&x, &at, scale), report)
 }
 
-/// What border points are held to: the target's boundary where the grid follows the outline; else the place,
-/// measured across the boundary, where they are now, or the boundary itself if they are outside.
-pub(super) fn holds(
-    points: impl Iterator<Item = Point3>,
+/// What border points are held to. `border` gives of each point its unknowns and where it starts.
+///
+/// The target's boundary where the grid follows the outline; else the place, measured across the boundary, where
+/// the point starts, or the boundary itself if that is outside.
+pub(super) fn border_holds(
+    border: impl Iterator<Item = (PointAt, Point3)>,
     target: &Target,
-    follows_outline: bool,
-) -> Vec<Hold> {
-    points
-        .map(|p| {
-            if follows_outline {
-                return Hold::Boundary;
-            }
-            let foot = target.boundary.closest(&p);
-            let outside = (p - foot.point).dot(&foot.conormal) > 0.0;
-            Hold::Plane(if outside { foot.point } else { p }, foot.conormal)
-        })
-        .collect()
+    boundary: Boundary,
+) -> Vec<(PointAt, Hold)> {
+    let hold = |p: Point3| {
+        if boundary != Boundary::Trimmed {
+            return Hold::Boundary;
+        }
+        let foot = target.boundary.closest(&p);
+        let outside = (p - foot.point).dot(&foot.conormal) > 0.0;
+        Hold::Plane(if outside { foot.point } else { p }, foot.conormal)
+    };
+    border.map(|(at, p)| (at, hold(p))).collect()
+}
+
+/// What pins fixed corners of the sheet to the outline's; `at` gives the unknowns of a corner of the sheet.
+pub(super) fn corner_holds(
+    cover: &Cover,
+    target: &Target,
+    at: impl Fn(usize) -> PointAt,
+) -> Vec<(PointAt, Hold)> {
+    let pins = |&(corner, outline): &(usize, usize)| {
+        Hold::pins(target.boundary.points[outline]).map(|hold| (at(corner), hold))
+    };
+    cover.tips.iter().flat_map(pins).collect()
 }
 
 /// The control face of each edge, in both states.

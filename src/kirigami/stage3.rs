@@ -9,13 +9,13 @@
 use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
 use super::piece_mesh::{Edge, PieceMesh};
-use super::stage2::holds;
+use super::stage2::{border_holds, corner_holds};
 use super::terms::{Held, Hold, Isometry, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles};
 use crate::geometry::{Point2, Point3, Vector2, Vector3};
 use crate::solver::{Options, Report, Term, Weighted, minimize};
 
 /// Weights of the soft phase, for a mean edge of 1. Isometry and planarity have weight 1.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// Closeness to the target.
     pub prox: f64,
@@ -29,6 +29,8 @@ pub struct Weights {
     pub rectangles: f64,
     /// Lengths of the closed sides that touch the border, where fairness does not reach.
     pub sides: f64,
+    /// Distance of fixed corners from the outline's.
+    pub corners: f64,
 }
 
 impl Default for Weights {
@@ -36,7 +38,15 @@ impl Default for Weights {
     /// the hard ones: they decide only what the hard ones leave free. Without them pieces at the border
     /// become slivers and hinges turn by up to 180 degrees.
     fn default() -> Self {
-        Self { prox: 0.6, boundary: 0.05, fair: 1e-3, opening: 1e-3, rectangles: 1e-3, sides: 1e-4 }
+        Self {
+            prox: 0.6,
+            boundary: 0.05,
+            fair: 1e-3,
+            opening: 1e-3,
+            rectangles: 1e-3,
+            sides: 1e-4,
+            corners: 0.6,
+        }
     }
 }
 
@@ -112,10 +122,10 @@ pub fn stage3(
 ) -> (Pattern, Vec<Report>) {
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
-    let border: Vec<usize> = (0..mesh.edges.len()).filter(|&e| mesh.edges[e].is_border()).collect();
-    let held = holds(border.iter().map(|&e| start.open[e]), target, cover.follows_outline);
-    let held: Vec<(usize, Hold)> = border.into_iter().zip(held).collect();
     let at = Unknowns { corners: mesh.corner_count };
+    let border = mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
+    let border = border.map(|(e, _)| (at.open(e), start.open[e]));
+    let holds = border_holds(border, target, cover.boundary);
     let mut pattern = start;
     let mut reports = Vec::new();
     for phase in phases(weights) {
@@ -126,7 +136,7 @@ pub fn stage3(
             Weighted { term: Box::new(Planarity::new(&pieces)), weight: 1.0 },
         ];
         if phase.soft > 0.0 {
-            terms.extend(soft_terms(cover, target, &at, &held, weights, &phase));
+            terms.extend(soft_terms(cover, target, &at, &holds, weights, &phase));
         }
         let mut x = pack(&pattern, scale);
         reports.push(minimize(&mut terms, &mut x, &phase.options, progress));
@@ -177,18 +187,27 @@ fn soft_terms<'a>(
     cover: &Cover,
     target: &'a Target,
     at: &Unknowns,
-    holds: &[(usize, Hold)],
+    holds: &[(PointAt, Hold)],
     weights: &Weights,
     phase: &Phase,
 ) -> Vec<Weighted<'a>> {
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
     let points = (0..mesh.edges.len()).map(|e| (at.open(e), Hold::Surface));
-    let border = holds.iter().map(|&(e, hold)| (at.open(e), hold));
+    let border = holds.iter().copied();
+    // The vertex of a corner's only piece there.
+    let tip = |corner: usize| {
+        let mut edges = mesh.fans[corner].edges.iter().copied();
+        at.open(
+            edges.find(|&e| mesh.edges[e].hinge_corner == corner).expect("one of its edges owns the vertex"),
+        )
+    };
+    let corners = corner_holds(cover, target, tip);
     let [fair_closed, fair_open] = fairness(cover, at);
-    let terms: [(Box<dyn Term>, f64); 7] = [
+    let terms: [(Box<dyn Term>, f64); 8] = [
         (Box::new(Held::new("prox", points, target, scale)), phase.soft * weights.prox),
         (Box::new(Held::new("boundary", border, target, scale)), phase.soft * weights.boundary),
+        (Box::new(Held::new("corners", corners, target, scale)), phase.soft * weights.corners),
         (Box::new(Lengths::new("sides", border_sides(cover, at))), phase.soft * weights.sides),
         (Box::new(RightAngles::new("opening", hinge_sides(mesh, at))), phase.soft * weights.opening),
         (Box::new(RightAngles::new("rectangles", piece_corners(mesh, at))), phase.soft * weights.rectangles),

@@ -41,7 +41,7 @@ pub fn dome() -> Dome {
     let flat = flatten(&mesh, &scale).unwrap();
     let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
     let stretches = [std::f64::consts::SQRT_2; 2];
-    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap).unwrap();
+    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();
     let target = Target::new(mesh.clone(), &cycle);
     let control = stage1(&cover, &mesh, &flat.points);
     let progress = &mut |_, _| ();

@@ -16,6 +16,14 @@ pub enum Hold {
     Plane(Point3, Vector3),
 }
 
+impl Hold {
+    /// What pins a point to a place (millimetres): three planes at right angles, whose squared distances add up to the
+    /// point's own.
+    pub fn pins(place: Point3) -> [Self; 3] {
+        [Vector3::x(), Vector3::y(), Vector3::z()].map(|normal| Self::Plane(place, normal))
+    }
+}
+
 /// Keeps points in space near what they are held to. One residual per point.
 pub struct Held<'a> {
     name: &'static str,

@@ -83,6 +83,24 @@ fn proximity_and_boundary_measure_distances() {
 }
 
 #[test]
+fn pins_measure_the_distance() {
+    let target = target();
+    let pins = Hold::pins(Point3::new(1.0, -2.0, 3.0)).map(|hold| (at(0, 3), hold));
+    let mut term = Held::new("corners", pins, &target, 2.0);
+    // 2 mm per unit: at (2, -2, 6) mm the distance is sqrt(1 + 0 + 9) mm.
+    let x = [1.0, -1.0, 3.0];
+    term.refresh(&x);
+    let squares: f64 = (0..term.blocks())
+        .map(|b| {
+            let mut residual = [0.0];
+            term.evaluate(b, &x, &mut residual, &mut [0.0; 3]);
+            residual[0].powi(2)
+        })
+        .sum();
+    assert!((4.0 * squares - 10.0).abs() < 1e-12, "{squares}");
+}
+
+#[test]
 fn a_rigid_motion_has_no_isometry_residual() {
     let piece = piece(4);
     let closed = [[0.0, 0.0], [1.0, 0.1], [1.1, 0.9], [-0.1, 1.0]];
