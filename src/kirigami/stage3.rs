@@ -10,7 +10,9 @@ use super::control_mesh::{ControlMesh, Target};
 use super::cover::Cover;
 use super::piece_mesh::{Edge, PieceMesh};
 use super::stage2::{border_holds, corner_holds};
-use super::terms::{Held, Hold, Isometry, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles};
+use super::terms::{
+    Held, Hold, Isometry, LeastWidths, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles,
+};
 use crate::geometry::{Point2, Point3, Vector2, Vector3};
 use crate::solver::{Options, Report, Term, Weighted, minimize};
 
@@ -31,6 +33,8 @@ pub struct Weights {
     pub sides: f64,
     /// Distance of fixed corners from the outline's.
     pub corners: f64,
+    /// Widths that pieces lack; pieces that are wide enough do not feel it.
+    pub widths: f64,
 }
 
 impl Default for Weights {
@@ -46,6 +50,7 @@ impl Default for Weights {
             rectangles: 1e-3,
             sides: 1e-4,
             corners: 0.6,
+            widths: 0.1,
         }
     }
 }
@@ -136,7 +141,7 @@ pub fn stage3(
             Weighted { term: Box::new(Planarity::new(&pieces)), weight: 1.0 },
         ];
         if phase.soft > 0.0 {
-            terms.extend(soft_terms(cover, target, &at, &holds, weights, &phase));
+            terms.extend(soft_terms(cover, target, &at, &holds, weights, &phase, gap));
         }
         let mut x = pack(&pattern, scale);
         reports.push(minimize(&mut terms, &mut x, &phase.options, progress));
@@ -182,6 +187,14 @@ fn phases(weights: &Weights) -> Vec<Phase> {
     soft.chain([Phase { soft: 0.0, fair: 0.0, options: hard }]).collect()
 }
 
+/// Closed cells narrower than this, in mean edges, are widened: strongly curved targets would otherwise take their
+/// stretch from a few rows of pieces until these are slivers or turned over. At 0.4 pieces leave the target instead.
+const LEAST_WIDTH: f64 = 0.25;
+
+/// They are also widened up to this many gaps: hinge polygons are up to a gap narrower than their cells, and two gaps
+/// of them must be left.
+const LEAST_WIDTH_IN_GAPS: f64 = 3.0;
+
 /// The terms that decide what isometry leaves free.
 fn soft_terms<'a>(
     cover: &Cover,
@@ -190,6 +203,7 @@ fn soft_terms<'a>(
     holds: &[(PointAt, Hold)],
     weights: &Weights,
     phase: &Phase,
+    gap: f64,
 ) -> Vec<Weighted<'a>> {
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
@@ -203,14 +217,17 @@ fn soft_terms<'a>(
         )
     };
     let corners = corner_holds(cover, target, tip);
+    let least = LEAST_WIDTH.max(LEAST_WIDTH_IN_GAPS * gap / scale);
     let [fair_closed, fair_open] = fairness(cover, at);
-    let terms: [(Box<dyn Term>, f64); 8] = [
+    let terms: [(Box<dyn Term>, f64); 9] = [
         (Box::new(Held::new("prox", points, target, scale)), phase.soft * weights.prox),
         (Box::new(Held::new("boundary", border, target, scale)), phase.soft * weights.boundary),
         (Box::new(Held::new("corners", corners, target, scale)), phase.soft * weights.corners),
         (Box::new(Lengths::new("sides", border_sides(cover, at))), phase.soft * weights.sides),
         (Box::new(RightAngles::new("opening", hinge_sides(mesh, at))), phase.soft * weights.opening),
         (Box::new(RightAngles::new("rectangles", piece_corners(mesh, at))), phase.soft * weights.rectangles),
+        // Zero at a good solution: no need to phase out.
+        (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths),
         (Box::new(fair_closed), phase.fair),
         (Box::new(fair_open), phase.fair),
     ];

@@ -12,6 +12,8 @@ mod shape;
 
 mod target;
 
+mod width;
+
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +21,7 @@ pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};
 pub use piece::{Isometry, PieceAt, Planarity};
 pub use shape::{Lengths, LinearTerm, RightAngles};
 pub use target::{Held, Hold};
+pub use width::LeastWidths;
 
 use crate::geometry::Vector3;
 

@@ -43,6 +43,7 @@ fn jacobians_agree_with_differences() {
         Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
         Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
         Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),
+        Box::new(LeastWidths::new([[at(0, 2), at(6, 2), at(30, 2)], [at(30, 2), at(0, 2), at(6, 2)]], 9.0)),
         Box::new(Held::new("prox", [at(0, 3), at(6, 3)].map(|p| (p, Hold::Surface)), &target, 2.0)),
         Box::new(Held::new(
             "boundary",
@@ -80,6 +81,31 @@ fn proximity_and_boundary_measure_distances() {
     boundary.refresh(&outside);
     boundary.evaluate(0, &outside, &mut residual, &mut [0.0; 3]);
     assert!((residual[0] - 2.0).abs() < 0.02, "{}", residual[0]);
+}
+
+#[test]
+fn widths_are_those_of_the_quad_and_count_only_where_they_lack() {
+    // A trapezoid with parallel sides of 4 and 2 at a distance of 1, counter-clockwise.
+    let x = [0.0, 0.0, 4.0, 0.0, 3.0, 1.0, 1.0, 1.0];
+    let corners: Vec<[PointAt; 3]> =
+        (0..4).map(|i| [i, (i + 1) % 4, (i + 3) % 4].map(|c| at(2 * c, 2))).collect();
+    let lacks = |least: f64, corners: &[[PointAt; 3]], x: &[f64]| -> Vec<f64> {
+        let term = LeastWidths::new(corners.iter().copied(), least);
+        let mut residual = [0.0];
+        (0..term.blocks())
+            .map(|b| {
+                term.evaluate(b, x, &mut residual, &mut [0.0; 6]);
+                residual[0]
+            })
+            .collect()
+    };
+    // Seen from the long side's ends its height is 1; the other corners see the distance from the short side, 1 too, or
+    // from the slanted one, 2 / sqrt 2, where that is longer: it is not.
+    assert!(lacks(1.5, &corners, &x).iter().all(|lack| (lack - 0.5).abs() < 1e-15));
+    assert_eq!(lacks(0.99, &corners, &x), [0.0; 4]);
+    // Mirrored it is turned over: heights are negative.
+    let mirrored: Vec<f64> = x.chunks(2).flat_map(|p| [-p[0], p[1]]).collect();
+    assert!(lacks(0.5, &corners, &mirrored).iter().all(|lack| (lack - 1.5).abs() < 1e-15));
 }
 
 #[test]
