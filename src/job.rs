@@ -17,6 +17,10 @@ use crate::toml_source::{TomlError, read_text};
 
 mod read;
 
+mod solver;
+
+pub use solver::Solver;
+
 /// A checked job: paths are absolute, numbers finite and in range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
@@ -28,6 +32,8 @@ pub struct Job {
     pub pattern: Pattern,
     /// How the sheet is made.
     pub fabrication: Fabrication,
+    /// Weights of the optimisation.
+    pub solver: Solver,
 }
 
 /// The surfaces of the two states.
@@ -103,7 +109,7 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 10] = [
+pub const DEFAULTS: [(&str, &str); 12] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("pattern.stretches", "[1.41421356, 1.41421356]"),
@@ -114,6 +120,12 @@ pub const DEFAULTS: [(&str, &str); 10] = [
     ("fabrication.kerf_mm", "the profile's kerf"),
     ("fabrication.process", "\"laser\""),
     ("fabrication.dxf", "\"r2000\""),
+    ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
+    (
+        "solver.stage-3",
+        "{ prox = 0.6, boundary = 0.05, corners = 0.6, fair = 0.001, opening = 0.001, rectangles = 0.001, \
+         sides = 0.0001, widths = 0.1 }",
+    ),
 ];
 
 /// A job file could not be used.

@@ -17,11 +17,11 @@ use crate::kirigami::control_mesh::{Target, stage1};
 use crate::kirigami::cover::{CoverError, cover};
 use crate::kirigami::design::Design;
 use crate::kirigami::filled::filled_surface;
+use crate::kirigami::hinges;
 use crate::kirigami::quality::{Limits, Quality, Shortfall, measure};
 use crate::kirigami::stage2::stage2;
 use crate::kirigami::stage3::{initial_pattern, stage3};
 use crate::kirigami::validity::{self, Invalid};
-use crate::kirigami::{hinges, stage2, stage3};
 use crate::output::design_json::Stage;
 use crate::solver;
 
@@ -211,11 +211,11 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let target = Target::new(mesh, &cycle);
     let (control, report2) = clock.run("stage-2", |progress| {
         let options = solver::Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        stage2(&cover, &control, &target, gap, &stage2::Weights::default(), &options, progress)
+        stage2(&cover, &control, &target, gap, &job.solver.stage2, &options, progress)
     });
     let (pattern, reports3) = clock.run("stage-3", |progress| {
         let start = initial_pattern(&cover, &control, gap);
-        stage3(&cover, start, &target, gap, &stage3::Weights::default(), progress)
+        stage3(&cover, start, &target, gap, &job.solver.stage3, progress)
     });
     let design = hinges::design(&cover.mesh, &pattern, gap);
     let filled = filled_surface(&cover.mesh, &pattern.open);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::solver::{RawSolver, solver};
 use super::{Boundary, DxfVersion, Fabrication, Job, JobError, Pattern, PieceSize, Shape, Target, Units};
 use crate::kirigami::design::PatternKind;
 use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
@@ -53,6 +54,8 @@ struct RawJob {
     target: RawTarget,
     pattern: Spanned<RawPattern>,
     fabrication: RawFabrication,
+    #[serde(default)]
+    solver: RawSolver,
 }
 
 #[derive(Deserialize)]
@@ -104,7 +107,7 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
     let pattern = Pattern { kind, pieces, stretches, boundary, gap };
-    Ok(Job { folder, target, pattern, fabrication })
+    Ok(Job { folder, target, pattern, fabrication, solver: solver(&source, &raw.solver)? })
 }
 
 fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target, TomlError> {

@@ -1,6 +1,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::*;
+use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
 
 const JOB: &str = r#"[target]
@@ -23,6 +24,10 @@ sheet_mm = [600, 800.5]
 kerf_mm = 0.06
 process = "laser"
 dxf = "r12"
+
+[solver]
+stage-2 = { fair = 0.01, prox = 0 }
+stage-3 = { widths = 0.5, sides = 2e-4 }
 "#;
 
 /// A folder with a mesh file and a job file in it, gone at the end of the test.
@@ -76,6 +81,9 @@ fn a_job_that_says_everything() {
     assert_eq!(job.pattern.boundary, Some(Boundary::FixedCorners));
     assert_eq!(job.pattern.gap, 0.0);
     assert_eq!(job.fabrication.dxf, DxfVersion::R12);
+    let solver = Solver::default();
+    assert_eq!(job.solver.stage2, stage2::Weights { fair: 0.01, prox: 0.0, ..solver.stage2 });
+    assert_eq!(job.solver.stage3, stage3::Weights { widths: 0.5, sides: 2e-4, ..solver.stage3 });
     let profile = &job.fabrication.profile;
     assert_eq!([profile.sheet.width, profile.sheet.height, profile.laser.kerf], [600.0, 800.5, 0.06]);
 }
@@ -94,6 +102,7 @@ fn keys_left_out_have_their_documented_defaults() {
     assert_eq!((job.pattern.stretches, job.pattern.boundary), ([SQRT_2, SQRT_2], None));
     let profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
     assert_eq!(job.pattern.gap, profile.hinge_gap());
+    assert_eq!(job.solver, Solver::default());
     assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000 });
     // No other key may be left out; pieces has piece_mm in its place.
     for key in ["open", "closed", "kind", "profile", "pieces"] {
@@ -190,6 +199,10 @@ fn faulty_values_are_named_with_place_and_range() {
         ("sheet_mm", "sheet_mm = [600, 1e300]", "50 to 10000 mm"),
         ("dxf", "dxf = \"r14\"", "\"r2000\", \"r12\""),
         ("dxf", "dfx = \"r12\"", "unknown key `dfx`"),
+        ("stage-3", "stage-3 = { prox = -0.1 }", "0 to 1000000"),
+        ("stage-2", "stage-2 = { geom = nan }", "not a finite number"),
+        ("stage-2", "stage-2 = { sides = 0.1 }", "unknown key `sides`"),
+        ("stage-2", "stage-4 = { prox = 0.1 }", "unknown key `stage-4`"),
         ("profile", "profile = \"brass\"", "not the name of a profile"),
         ("profile", "profile = \"brass.toml\"", "not readable as a profile"),
         ("open", "open = \"rof.obj\"", "not readable as a mesh file"),
@@ -210,7 +223,9 @@ fn faulty_values_are_named_with_place_and_range() {
 fn each_key_refuses_impossible_values_by_name() {
     let folder = Folder::new("each");
     let mut tried = 0;
-    for line in JOB.lines().chain(["piece_mm = 10"]).filter(|line| line.contains('=')) {
+    for line in
+        JOB.lines().chain(["piece_mm = 10"]).filter(|line| line.contains('=') && !line.starts_with("stage"))
+    {
         let key = line.split(' ').next().unwrap();
         for value in ["nan", "inf", "-1", "1e300", "[]", "[nan, nan]", "{}"] {
             let place = if key == "piece_mm" { "pieces" } else { key };
@@ -220,6 +235,35 @@ fn each_key_refuses_impossible_values_by_name() {
         }
     }
     assert_eq!(tried, 7 * 16);
+}
+
+#[test]
+fn all_weights_can_be_set_and_their_defaults_are_as_documented() {
+    let folder = Folder::new("weights");
+    let written: Vec<&(&str, &str)> = DEFAULTS.iter().filter(|(key, _)| key.starts_with("solver.")).collect();
+    let mut tried = 0;
+    for (key, values) in &written {
+        let stage = key.strip_prefix("solver.").unwrap();
+        // What is documented is the default, and none is left out: doubled, every one of them differs.
+        assert_eq!(folder.read(&with(stage, &format!("{stage} = {values}"))).unwrap().solver, {
+            let mut expected = folder.read(JOB).unwrap().solver;
+            match stage {
+                "stage-2" => expected.stage2 = stage2::Weights::default(),
+                _ => expected.stage3 = stage3::Weights::default(),
+            }
+            expected
+        });
+        for pair in values.trim_matches(['{', '}']).split(',') {
+            let (name, value) = pair.split_once('=').unwrap();
+            let other =
+                format!("{stage} = {{ {} = {} }}", name.trim(), 2.0 * value.trim().parse::<f64>().unwrap());
+            let (one, none) = (folder.read(&with(stage, &other)), folder.read(&with(stage, "")));
+            assert_ne!(one.unwrap().solver, none.unwrap().solver, "{other}");
+            tried += 1;
+        }
+    }
+    // Six weights of Stage 2 and eight of Stage 3.
+    assert_eq!(tried, 14);
 }
 
 #[test]

@@ -1,0 +1,85 @@
+//! The `[solver]` table: weights of the optimisation's terms, for those who know what they do.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::kirigami::{stage2, stage3};
+use crate::toml_source::{Limits, TomlError, TomlSource};
+
+/// Weights of the two optimised stages; keys left out keep their defaults.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Solver {
+    /// `[solver.stage-2]`
+    pub stage2: stage2::Weights,
+    /// `[solver.stage-3]`
+    pub stage3: stage3::Weights,
+}
+
+const WEIGHT: Limits = Limits::new(
+    0.0,
+    1.0e6,
+    "",
+    "a weight is a factor of squares at mean edge 1, beside 1 for the conditions that must hold; beyond a million \
+     rounding drowns those",
+);
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSolver {
+    #[serde(rename = "stage-2", default)]
+    stage2: RawStage2,
+    #[serde(rename = "stage-3", default)]
+    stage3: RawStage3,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawStage2 {
+    orth: Option<Spanned<f64>>,
+    geom: Option<Spanned<f64>>,
+    prox: Option<Spanned<f64>>,
+    boundary: Option<Spanned<f64>>,
+    corners: Option<Spanned<f64>>,
+    fair: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawStage3 {
+    prox: Option<Spanned<f64>>,
+    boundary: Option<Spanned<f64>>,
+    corners: Option<Spanned<f64>>,
+    fair: Option<Spanned<f64>>,
+    opening: Option<Spanned<f64>>,
+    rectangles: Option<Spanned<f64>>,
+    sides: Option<Spanned<f64>>,
+    widths: Option<Spanned<f64>>,
+}
+
+/// The weights with the file's in place of the defaults.
+pub(super) fn solver(source: &TomlSource, raw: &RawSolver) -> Result<Solver, TomlError> {
+    let mut solver = Solver::default();
+    let (weights2, weights3) = (&mut solver.stage2, &mut solver.stage3);
+    let (raw2, raw3) = (&raw.stage2, &raw.stage3);
+    for (weight, value) in [
+        (&mut weights2.orth, &raw2.orth),
+        (&mut weights2.geom, &raw2.geom),
+        (&mut weights2.prox, &raw2.prox),
+        (&mut weights2.boundary, &raw2.boundary),
+        (&mut weights2.corners, &raw2.corners),
+        (&mut weights2.fair, &raw2.fair),
+        (&mut weights3.prox, &raw3.prox),
+        (&mut weights3.boundary, &raw3.boundary),
+        (&mut weights3.corners, &raw3.corners),
+        (&mut weights3.fair, &raw3.fair),
+        (&mut weights3.opening, &raw3.opening),
+        (&mut weights3.rectangles, &raw3.rectangles),
+        (&mut weights3.sides, &raw3.sides),
+        (&mut weights3.widths, &raw3.widths),
+    ] {
+        if let Some(value) = source.optional(value.as_ref(), &WEIGHT)? {
+            *weight = value;
+        }
+    }
+    Ok(solver)
+}
