@@ -52,7 +52,8 @@ fn cap(alpha: f64, rings: usize, sectors: usize) -> Mesh {
 
 #[test]
 fn numbers_of_caps_are_those_of_cartography() {
-    // Conformal with even boundary: scales 1 / (1 + cos theta). Least ratio of any map: alpha / sin alpha (Milnor).
+    // Conformal with even boundary: scales 1 / (1 + cos theta). Least ratio of any map: alpha / sin alpha
+    // (Milnor).
     for (alpha, status, verdict) in [(0.9, 0, "easy"), (FRAC_PI_2, 0, "hard"), (2.1, 2, "beyond")] {
         let folder = peers::fresh_folder(&format!("feasibility-cap-{verdict}"));
         write_job(&folder, &cap(alpha, 30, 72).obj());

@@ -5,9 +5,9 @@
 //! semidefinite cotangent Laplacian `L` (see [`super::cotangent`]), angle defects `K` and logarithmic scale
 //! `u`: `L u = -K` inside, `u = 0` on the boundary. The as-rigid-as-possible map alternates best rotations
 //! per triangle with one linear solve (L. Liu et al., *A local/global approach to mesh parameterization*,
-//! 2008). Further rounds then lower the worst stretch: each pulls the maps of the triangles into a band of singular
-//! values that is a little narrower than what the map before needed (bounded distortion, as in S. Kovalsky et al.,
-//! *Large-scale bounded distortion mappings*, 2015, by local and global steps).
+//! 2008). Further rounds then lower the worst stretch: each pulls the maps of the triangles into a band of
+//! singular values that is a little narrower than what the map before needed (bounded distortion, as in S.
+//! Kovalsky et al., *Large-scale bounded distortion mappings*, 2015, by local and global steps).
 
 use super::cotangent::corner_angles;
 use super::laplacian::Laplacian;
@@ -25,8 +25,8 @@ pub struct Flattening {
     pub energies: Vec<f64>,
     /// Whether the energy had settled when the rounds ended.
     pub settled: bool,
-    /// Largest over smallest stretch of the whole map, of the as-rigid-as-possible map first and then after each
-    /// round that lowers it; infinite for maps that fold.
+    /// Largest over smallest stretch of the whole map, of the as-rigid-as-possible map first and then after
+    /// each round that lowers it; infinite for maps that fold.
     pub ratios: Vec<f64>,
 }
 
@@ -82,7 +82,8 @@ impl ConformalScale {
         Ok(Self { log_scale, exterior_angles, cycle: cycle.to_vec(), laplacian })
     }
 
-    /// Largest divided by smallest scale: 1 for developable surfaces; the intrinsic measure of how hard the target is.
+    /// Largest divided by smallest scale: 1 for developable surfaces; the intrinsic measure of how hard the
+    /// target is.
     pub fn ratio(&self) -> f64 {
         let (low, high) = self.log_scale.iter().fold((0.0_f64, 0.0_f64), |(l, h), &u| (l.min(u), h.max(u)));
         (high - low).exp()
@@ -149,8 +150,8 @@ pub fn conformal_points(mesh: &TriMesh, scale: &ConformalScale) -> Vec<Point2> {
     x.into_iter().zip(y).map(|(x, y)| Point2::new(x, y)).collect()
 }
 
-/// Flattens a disk: as rigidly as possible, starting from the conformal flattening; where the largest stretch of that
-/// map is more than `bound` times the smallest, with this ratio lowered, to the bound if that can be.
+/// Flattens a disk: as rigidly as possible, starting from the conformal flattening; where the largest stretch
+/// of that map is more than `bound` times the smallest, with this ratio lowered, to the bound if that can be.
 ///
 /// # Errors
 /// [`FlattenError::Degenerate`] for triangles too thin, [`FlattenError::Folded`] where the result is not
@@ -186,12 +187,13 @@ const SETTLED: f64 = 1e-4;
 /// Most rounds that lower the worst stretch.
 const BOUNDED_ROUNDS: usize = 60;
 
-/// Each of these rounds asks for this part of the deviation from 1 that the map before had: a narrower band moves
-/// more of the map, a wider one needs more rounds (0.97 needs three times as many).
+/// Each of these rounds asks for this part of the deviation from 1 that the map before had: a narrower band
+/// moves more of the map, a wider one needs more rounds (0.97 needs three times as many).
 const NARROWER: f64 = 0.9;
 
-/// How far beyond the band a map outside is pushed, in parts of its distance from it: the global step averages the
-/// wishes of neighbours, so that asking for just enough gives too little. Below 2, the limit of stability.
+/// How far beyond the band a map outside is pushed, in parts of its distance from it: the global step
+/// averages the wishes of neighbours, so that asking for just enough gives too little. Below 2, the limit of
+/// stability.
 const OVERSHOOT: f64 = 1.7;
 
 /// The worst stretch has settled when this many rounds lower it by less than a part of `RATIO_SETTLED`.
@@ -250,7 +252,8 @@ impl<'a> Rounds<'a> {
         x.into_iter().zip(y).map(|(x, y)| Point2::new(x, y)).collect()
     }
 
-    /// Lowers the largest over the smallest stretch while it exceeds `bound`; returns the best points found, and the ratios on the way.
+    /// Lowers the largest over the smallest stretch while it exceeds `bound`; returns the best points found,
+    /// and the ratios on the way.
     fn bounded(&self, points: Vec<Point2>, bound: f64) -> (Vec<Point2>, Vec<f64>) {
         let mut points = points;
         let mut ratios = Vec::new();

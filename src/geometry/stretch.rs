@@ -1,8 +1,8 @@
 //! Principal stretches of a map between triangle meshes of the same combinatorics.
 //!
-//! A linear map of the plane is kept as two complex numbers: `v -> turning * v + mirroring * conj(v)`. Its singular
-//! values are `|turning| + |mirroring|` and `|turning| - |mirroring|`, the second negative where the map turns
-//! triangles over: the closed formula for 2 x 2 matrices, without angles.
+//! A linear map of the plane is kept as two complex numbers: `v -> turning * v + mirroring * conj(v)`. Its
+//! singular values are `|turning| + |mirroring|` and `|turning| - |mirroring|`, the second negative where the
+//! map turns triangles over: the closed formula for 2 x 2 matrices, without angles.
 
 use super::mesh::TriMesh;
 use super::{Point2, Vector2};
@@ -79,8 +79,8 @@ impl Gradients {
 /// How a triangle of the plane is stretched when it becomes its counterpart on the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Length on the surface over length in the plane: largest, smallest. Infinite or negative where the triangle
-    /// of the plane has no area or is turned over.
+    /// Length on the surface over length in the plane: largest, smallest. Infinite or negative where the
+    /// triangle of the plane has no area or is turned over.
     pub principal: [f64; 2],
     /// Unit vector of the plane that is stretched most; any where both are equal.
     pub direction: Vector2,
@@ -94,8 +94,9 @@ pub fn stretches(mesh: &TriMesh, flat: &[Point2]) -> Vec<Stretch> {
         let gradients = Gradients::new(mesh, face);
         let map = gradients.map_to(face.map(|v| flat[v]));
         let [first, second] = map.singular_values();
-        // In the image the directions of the singular values are at the mean angle of the two parts (first) and
-        // across it (second); the second is shortened most by the flattening, so stretched most on the way back.
+        // In the image the directions of the singular values are at the mean angle of the two parts (first)
+        // and across it (second); the second is shortened most by the flattening, so stretched most on the
+        // way back.
         let along = (map.turning * map.mirroring).sqrt();
         let length = along.norm();
         let direction = if length > 0.0 { Vector2::new(-along.im, along.re) / length } else { Vector2::x() };

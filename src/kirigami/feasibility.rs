@@ -1,11 +1,11 @@
 //! What the pattern can do, before anything is optimised (section 2.2 of the paper's model).
 //!
-//! Pieces with sides `a` and `b`, `r = b / a`, that turn by `t` stretch the sheet by `m1 = cos t + r sin t` and
-//! `m2 = cos t + sin t / r`. With the full opening, t = 45 degrees, this is `1/m1 + 1/m2 = sqrt 2`. The sheet's size
-//! is free, so the stretches of a flattening may all be multiplied by one scale.
+//! Pieces with sides `a` and `b`, `r = b / a`, that turn by `t` stretch the sheet by `m1 = cos t + r sin t`
+//! and `m2 = cos t + sin t / r`. With the full opening, t = 45 degrees, this is `1/m1 + 1/m2 = sqrt 2`. The
+//! sheet's size is free, so the stretches of a flattening may all be multiplied by one scale.
 //!
-//! This is a prediction. Quads that leave the rectangle reach further than the formulas say, and the limits of
-//! optimisation, hinges and collisions are not in them: the measured result decides.
+//! This is a prediction. Quads that leave the rectangle reach further than the formulas say, and the limits
+//! of optimisation, hinges and collisions are not in them: the measured result decides.
 
 use crate::geometry::Point3;
 use crate::geometry::mesh::TriMesh;
@@ -16,13 +16,13 @@ use std::f64::consts::SQRT_2;
 /// turning pieces stretch a sheet by 1 at least and by less than 3 at most (m1 + m2 < 4, both >= 1).
 pub const MOST_STRETCH_RATIO: f64 = 3.0;
 
-/// The flattening's ratio of the largest to the smallest stretch that Stage 1 brings down to: squares that open by
-/// different angles stretch by 1 to sqrt 2 in all directions alike. Below, rigidity makes the better patterns
-/// (measured on the shared meshes: smaller gaps at the boundary).
+/// The flattening's ratio of the largest to the smallest stretch that Stage 1 brings down to: squares that
+/// open by different angles stretch by 1 to sqrt 2 in all directions alike. Below, rigidity makes the better
+/// patterns (measured on the shared meshes: smaller gaps at the boundary).
 pub const EASY_RATIO: f64 = SQRT_2;
 
-/// An easy target has a conformal ratio of at most this: those of 1.13 to 1.29 are reached as they are, those of 1.72
-/// and 2.0 with effort, and of 2.2 and more not yet without cuts.
+/// An easy target has a conformal ratio of at most this: those of 1.13 to 1.29 are reached as they are, those
+/// of 1.72 and 2.0 with effort, and of 2.2 and more not yet without cuts.
 pub const EASY_CONFORMAL_RATIO: f64 = 1.5;
 
 /// What is to be expected.
@@ -69,8 +69,8 @@ pub struct Feasibility {
     pub range: [f64; 2],
     /// Part of the area that turning rectangles reach with an opening that varies, 0 to 1.
     pub reached: f64,
-    /// Mean over the area of the distance of [`full_opening`] from 1, at the scale that makes its inverse 1 in the
-    /// mean: 0 where the full opening fits everywhere.
+    /// Mean over the area of the distance of [`full_opening`] from 1, at the scale that makes its inverse 1
+    /// in the mean: 0 where the full opening fits everywhere.
     pub mean_deviation: f64,
     /// Largest of these distances.
     pub largest_deviation: f64,
@@ -123,8 +123,8 @@ pub fn feasibility(mesh: &TriMesh, stretches: &[Stretch], conformal_ratio: f64) 
     }
 }
 
-/// `sqrt 2 / (1/m1 + 1/m2)`: 1 where the full opening of some rectangle gives these stretches, above where the
-/// target asks for more, below where for less.
+/// `sqrt 2 / (1/m1 + 1/m2)`: 1 where the full opening of some rectangle gives these stretches, above where
+/// the target asks for more, below where for less.
 pub fn full_opening([m1, m2]: [f64; 2]) -> f64 {
     SQRT_2 / (1.0 / m1 + 1.0 / m2)
 }
@@ -143,13 +143,14 @@ pub fn opening_of([m1, m2]: [f64; 2]) -> Option<(f64, f64)> {
     if sine == 0.0 { Some((0.0, 1.0)) } else { Some((turn, (m1 - cosine) / sine)) }
 }
 
-/// The stretches `m1`, `m2` of pieces with side ratio `r` that turn by `t` radians: the inverse of [`opening_of`].
+/// The stretches `m1`, `m2` of pieces with side ratio `r` that turn by `t` radians: the inverse of
+/// [`opening_of`].
 pub fn stretches_of(t: f64, r: f64) -> [f64; 2] {
     [t.cos() + r * t.sin(), t.cos() + t.sin() / r]
 }
 
-/// The scales for which turning rectangles reach the stretches: least and greatest. The least exceeds the greatest
-/// where none does.
+/// The scales for which turning rectangles reach the stretches: least and greatest. The least exceeds the
+/// greatest where none does.
 fn scales([m1, m2]: [f64; 2]) -> [f64; 2] {
     // 4 m1 m2 - (m1 - m2)^2 <= 8 / scale^2.
     let bent = 4.0 * m1 * m2 - (m1 - m2).powi(2);
@@ -175,8 +176,8 @@ fn nominal_scale(stretches: &[Stretch]) -> f64 {
     inverse / total / SQRT_2
 }
 
-/// The scale with which turning rectangles reach the largest part of the area; of several the nearest to the full
-/// opening in the mean.
+/// The scale with which turning rectangles reach the largest part of the area; of several the nearest to the
+/// full opening in the mean.
 fn best_scale(stretches: &[Stretch]) -> f64 {
     let total: f64 = stretches.iter().map(|s| s.area).sum();
     let nominal = nominal_scale(stretches);
@@ -215,7 +216,8 @@ mod tests {
             for j in -4..=4 {
                 let (t, r) = (0.08 * f64::from(i), f64::exp(0.1 * f64::from(j)));
                 let m = stretches_of(t, r);
-                // The other root, cos t < (m1 + m2) / 4, is over-opened, and short sides shrink one direction.
+                // The other root, cos t < (m1 + m2) / 4, is over-opened, and short sides shrink one
+                // direction.
                 if t.cos() < 0.25 * (m[0] + m[1]) || m.iter().any(|&m| m < 1.0) {
                     continue;
                 }

@@ -1,8 +1,9 @@
-//! The feasibility map: one A3 landscape page, SVG or HTML, that shows where a target asks for how much stretch.
+//! The feasibility map: one A3 landscape page, SVG or HTML, that shows where a target asks for how much
+//! stretch.
 //!
-//! Left the flattened target, right the target itself in an oblique view, both coloured by the opening asked for in
-//! parts of the full one; below the scale and the figures. Page coordinates are millimetres, y down. The same input
-//! gives the same bytes.
+//! Left the flattened target, right the target itself in an oblique view, both coloured by the opening asked
+//! for in parts of the full one; below the scale and the figures. Page coordinates are millimetres, y down.
+//! The same input gives the same bytes.
 
 use std::io::{self, Write};
 

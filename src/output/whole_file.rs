@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// Writes a file beside `path` and then puts it in its place; folders are made as needed. After an error the file is
-/// what it was.
+/// Writes a file beside `path` and then puts it in its place; folders are made as needed. After an error the
+/// file is what it was.
 ///
 /// # Errors
 /// What `write` returns, or the file system's refusal.

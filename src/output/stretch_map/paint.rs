@@ -58,7 +58,8 @@ pub fn paint(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Group 
     }
 }
 
-/// The triangles themselves, the farthest first; neighbours in that order share a path if they share a colour.
+/// The triangles themselves, the farthest first; neighbours in that order share a path if they share a
+/// colour.
 fn paint_triangles(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Group {
     let mut order: Vec<(usize, usize)> =
         values.iter().enumerate().map(|(i, &value)| (i, class_of(value))).collect();
@@ -76,8 +77,8 @@ fn paint_triangles(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> 
     group
 }
 
-/// A grid of cells, each with the colour of the nearest triangle at its centre; of several there the one that is
-/// farthest from 1.
+/// A grid of cells, each with the colour of the nearest triangle at its centre; of several there the one that
+/// is farthest from 1.
 fn paint_cells(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Group {
     let bounds = page::bounds(triangles.iter().flatten().copied());
     let (columns, rows) = ((bounds.width() / CELL) as usize + 1, (bounds.height() / CELL) as usize + 1);
