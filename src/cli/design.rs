@@ -100,6 +100,7 @@ fn write_map(prediction: &Prediction, name: &str, path: &Path, html: bool) -> Re
         mesh: &prediction.mesh,
         flat: &prediction.flat,
         openings: &found.openings,
+        beyond: &found.beyond,
         worst: found.worst.triangle,
         figures: &figures(prediction),
     };

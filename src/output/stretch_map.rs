@@ -18,7 +18,7 @@ use crate::geometry::{Point2, Point3};
 
 mod paint;
 
-use paint::{CLASSES, class_colour, class_limits, paint};
+use paint::{CLASSES, HATCH, class_colour, class_limits, hatch, hatching, paint};
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +31,8 @@ pub struct StretchMap<'a> {
     pub flat: &'a [Point2],
     /// #F openings asked for, in parts of the full one.
     pub openings: &'a [f64],
+    /// #F whether the pattern's model does not reach the triangle.
+    pub beyond: &'a [bool],
     /// The triangle to mark.
     pub worst: usize,
     /// Figures: label and value with its unit.
@@ -59,6 +61,7 @@ pub fn write_svg<W: Write>(map: &StretchMap, mut out: W) -> io::Result<()> {
             text(Point::new(8.0, 14.0), 8.0, &page::shortened(map.title, page::BOLD * 8.0, 400.0))
                 .set("font-weight", "bold"),
         )
+        .add(hatching())
         .add(flat_view(map))
         .add(space_view(map))
         .add(scale_bar())
@@ -93,7 +96,9 @@ fn flat_view(map: &StretchMap) -> Group {
     let points: Vec<Point> = map.flat.iter().map(|p| Point::new(p.x, p.y)).collect();
     let depths = vec![0.0; map.mesh.faces.len()];
     let (view, to_page) = view(map, FLAT, "The target laid flat", &points, &depths);
-    view.add(length_bar(to_page))
+    let triangles: Vec<[Point; 3]> =
+        map.mesh.faces.iter().map(|face| face.map(|v| to_page * points[v])).collect();
+    view.add(hatch(&triangles, map.beyond)).add(length_bar(to_page))
 }
 
 /// The target seen from the front, from above: x to the right, y into the page.
@@ -170,9 +175,11 @@ fn scale_bar() -> Group {
         group = group.add(text(at, 3.6, &label).set("text-anchor", "middle"));
     }
     let remarks = [
-        "Purple: pieces open less than fully there, down to 0.71 (closed). Orange: more than the full opening gives.",
-        "Colours end at the numbers shown; a prediction, the measured result decides.",
+        "Purple: pieces open less than fully, down to 0.71 (closed). Orange: more than the full opening gives.",
+        "Hatched above: out of reach of turning rectangles. A prediction: the measured result decides.",
     ];
+    let swatch = Rect::new(SCALE.x1 - 26.0, SCALE.y0 + 34.0, SCALE.x1 - 10.0, SCALE.y0 + 40.0);
+    group = group.add(page::rectangle(swatch, HATCH).set("stroke", page::GREY).set("stroke-width", "0.2"));
     for (i, remark) in remarks.iter().enumerate() {
         group = group.add(text(Point::new(SCALE.x0 + 3.0, SCALE.y0 + 32.0 + 6.0 * i as f64), 3.6, remark));
     }
@@ -213,12 +220,14 @@ mod tests {
         for (n, limit) in [(4, 40_000), (230, 5_000_000)] {
             let (mesh, flat) = sheet(n);
             let openings: Vec<f64> = (0..mesh.faces.len()).map(|i| 0.6 + (i % 97) as f64 / 97.0).collect();
+            let beyond: Vec<bool> = (0..mesh.faces.len()).map(|i| i % 5 < 2).collect();
             let figures = [("a <b>".to_owned(), "1 & 2".to_owned())];
             let map = StretchMap {
                 title: "<x>",
                 mesh: &mesh,
                 flat: &flat,
                 openings: &openings,
+                beyond: &beyond,
                 worst: 3,
                 figures: &figures,
             };

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use kurbo::{Point, Rect};
-use svg::node::element::{Group, Path};
+use svg::node::element::{Definitions, Group, Path, Pattern};
 
 use crate::output::preview::page::{self, colour, number};
 
@@ -81,7 +81,7 @@ fn paint_triangles(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> 
 /// is farthest from 1.
 fn paint_cells(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Group {
     let bounds = page::bounds(triangles.iter().flatten().copied());
-    let (columns, rows) = ((bounds.width() / CELL) as usize + 1, (bounds.height() / CELL) as usize + 1);
+    let (columns, rows) = grid(&bounds);
     let mut cells: Vec<Option<usize>> = vec![None; columns * rows];
     for (triangle, corners) in triangles.iter().enumerate() {
         for (column, row) in covered(corners, &bounds) {
@@ -97,8 +97,16 @@ fn paint_cells(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Grou
         }
     }
     let classes: Vec<Option<usize>> = cells.iter().map(|cell| cell.map(|i| class_of(values[i]))).collect();
+    let painted =
+        runs(&classes, columns, &bounds).into_iter().enumerate().filter(|(_, data)| !data.is_empty());
+    let group = Group::new().set("shape-rendering", "crispEdges");
+    painted.fold(group, |group, (class, data)| group.add(page::area(data, &class_colour(class))))
+}
+
+/// Path data per class of a grid of cells: equal neighbours in a row become one rectangle.
+fn runs(cells: &[Option<usize>], columns: usize, bounds: &Rect) -> Vec<String> {
     let mut paths = vec![String::new(); CLASSES];
-    for (row, line) in classes.chunks(columns).enumerate() {
+    for (row, line) in cells.chunks(columns).enumerate() {
         let mut column = 0;
         for run in line.chunk_by(|a, b| a == b) {
             if let Some(class) = run[0] {
@@ -110,9 +118,40 @@ fn paint_cells(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Grou
             column += run.len();
         }
     }
-    let painted = paths.into_iter().enumerate().filter(|(_, data)| !data.is_empty());
-    let group = Group::new().set("shape-rendering", "crispEdges");
-    painted.fold(group, |group, (class, data)| group.add(page::area(data, &class_colour(class))))
+    paths
+}
+
+/// Hatches the chosen ones of triangles that do not hide each other.
+pub fn hatch(triangles: &[[Point; 3]], chosen: &[bool]) -> Group {
+    let picked = triangles.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(corners, _)| corners);
+    let mut data = String::new();
+    if triangles.len() <= MOST_TRIANGLES {
+        picked.for_each(|corners| page::push_polyline(&mut data, *corners, true, 2));
+    } else {
+        let bounds = page::bounds(triangles.iter().flatten().copied());
+        let (columns, rows) = grid(&bounds);
+        let mut cells = vec![None; columns * rows];
+        for (column, row) in picked.flat_map(|corners| covered(corners, &bounds)) {
+            cells[row * columns + column] = Some(0);
+        }
+        data = runs(&cells, columns, &bounds).swap_remove(0);
+    }
+    if data.is_empty() { Group::new() } else { Group::new().add(page::area(data, HATCH)) }
+}
+
+/// Columns and rows of the cells over some bounds.
+fn grid(bounds: &Rect) -> (usize, usize) {
+    ((bounds.width() / CELL) as usize + 1, (bounds.height() / CELL) as usize + 1)
+}
+
+/// Fill of hatched areas; the drawing holds [`hatching`].
+pub const HATCH: &str = "url(#beyond)";
+
+/// The definition of the hatching: thin black lines, 2 mm apart.
+pub fn hatching() -> Definitions {
+    let line = page::stroke("M0,2L2,0M-0.5,0.5L0.5,-0.5M1.5,2.5L2.5,1.5".into(), "#000000", 0.2);
+    let pattern = Pattern::new().set("id", "beyond").set("width", "2").set("height", "2");
+    Definitions::new().add(pattern.set("patternUnits", "userSpaceOnUse").add(line))
 }
 
 /// The cells whose centres a triangle covers, and the one that holds its own centre.
