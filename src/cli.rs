@@ -3,6 +3,7 @@
 //! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, or a hinge that fails.
 
 mod check;
+mod design;
 mod make;
 mod progress;
 
@@ -35,6 +36,23 @@ enum Command {
         /// Write the files even where a hinge fails; its verdict stays "fail".
         #[arg(long)]
         allow_failing_hinges: bool,
+        /// Print errors only.
+        #[arg(short, long)]
+        quiet: bool,
+    },
+    /// Design the pattern alone, or predict whether the target can be reached.
+    Design {
+        /// The job file (TOML).
+        job: PathBuf,
+        /// File for the design [default: out/NAME.design.json, NAME being the job file's].
+        #[arg(short, long, conflicts_with = "feasibility_only")]
+        output: Option<PathBuf>,
+        /// Print what the target asks of the pattern, and design nothing: exit status 2 if it is out of reach.
+        #[arg(long)]
+        feasibility_only: bool,
+        /// Draw where the target asks for how much stretch, as FILE.svg or FILE.html.
+        #[arg(long, value_name = "FILE")]
+        map: Option<PathBuf>,
         /// Print errors only.
         #[arg(short, long)]
         quiet: bool,
@@ -85,6 +103,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = match arguments.command {
         Command::Make { job, output, allow_failing_hinges, quiet } => {
             make::run(&job, output, allow_failing_hinges, quiet)
+        }
+        Command::Design { job, output, feasibility_only, map, quiet } => {
+            design::run(&design::Options { job, output, feasibility_only, map, quiet })
         }
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)

@@ -6,16 +6,19 @@ use std::time::Instant;
 
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
-use crate::geometry::flatten::{ConformalScale, FlattenError, Flattening, flatten};
+use crate::fabrication::placement::place_on_sheet;
+use crate::geometry::flatten::{ConformalScale, FlattenError, Flattening, conformal_points, flatten};
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::read::{ReadMeshError, read_mesh};
+use crate::geometry::stretch::stretches;
 use crate::geometry::topology::{Defect, NotADisk, check_disk};
 use crate::geometry::triangulate::{Surface, TriangulateError, triangulate};
-use crate::geometry::{Point3, Vector2, bounds};
+use crate::geometry::{Point2, Point3, Vector2, bounds};
 use crate::job::{Job, Shape};
 use crate::kirigami::control_mesh::{Target, stage1};
 use crate::kirigami::cover::{CoverError, cover};
 use crate::kirigami::design::Design;
+use crate::kirigami::feasibility::{EASY_RATIO, Feasibility, MOST_STRETCH_RATIO, Verdict, feasibility};
 use crate::kirigami::filled::filled_surface;
 use crate::kirigami::hinges;
 use crate::kirigami::quality::{Limits, Quality, Shortfall, measure};
@@ -25,13 +28,12 @@ use crate::kirigami::validity::{self, Invalid};
 use crate::output::design_json::Stage;
 use crate::solver;
 
-/// Targets whose conformal flattening stretches more unevenly than this are refused before optimising:
-/// turning pieces stretch a sheet by 1 at least and by less than 3 at most (section 2.2 of the paper's model:
-/// m1 + m2 < 4, both >= 1).
-pub const MOST_STRETCH_RATIO: f64 = 3.0;
-
 /// Piece polygons must be at least this many hinge gaps wide, so that ligaments and slits find room.
 const LEAST_WIDTH_IN_GAPS: f64 = 2.0;
+
+/// Where the user finds out more about a target that asks for too much.
+const MAP_HINT: &str =
+    "See where it asks for how much: kirimorph design JOB --feasibility-only --map map.svg";
 
 /// Why a job ends without a result.
 #[derive(Debug, thiserror::Error)]
@@ -48,21 +50,26 @@ pub enum PipelineError {
     /// The target cannot be laid flat without folding.
     #[error(
         "{}: laid flat, the target folds over at face {face} near ({:.2}, {:.2}, {:.2}) mm (its stretch ratio is \
-         {ratio:.3}): it curves too much, or overlaps itself when flat; cut it into parts",
+         {ratio:.3}): it curves too much, or overlaps itself when flat; cut it into parts. {MAP_HINT}",
         path.display(), at.x, at.y, at.z
     )]
     Folded { path: PathBuf, face: usize, at: Point3, ratio: f64 },
     /// The target curves too much.
     #[error(
-        "{}: flattening the target stretches some places {ratio:.3} times as much as others; a pattern of turning pieces reaches less than {MOST_STRETCH_RATIO}: cut the target into parts that curve less",
-        path.display()
+        "{}: flattening the target stretches some places {ratio:.3} times as much as others; a pattern of turning pieces \
+         reaches less than {MOST_STRETCH_RATIO}; it is worst near ({:.2}, {:.2}, {:.2}) mm: cut the target into parts \
+         that curve less. {MAP_HINT}",
+        path.display(), at.x, at.y, at.z
     )]
-    Stretch { path: PathBuf, ratio: f64 },
+    Stretch { path: PathBuf, ratio: f64, at: Point3 },
     #[error(transparent)]
     Cover(#[from] CoverError),
     /// The optimisation did not reach the limits.
-    #[error("the pattern does not reach the target: {}", list(.0))]
-    Shortfall(Vec<Shortfall>),
+    #[error(
+        "the pattern does not reach the target: {}; it is farthest off near ({:.2}, {:.2}, {:.2}) mm. {MAP_HINT}",
+        list(.shortfalls), .at.x, .at.y, .at.z
+    )]
+    Shortfall { shortfalls: Vec<Shortfall>, at: Point3 },
     #[error(transparent)]
     Invalid(#[from] Invalid),
     #[error(transparent)]
@@ -89,7 +96,7 @@ impl PipelineError {
             Self::Cover(source) => !matches!(source, CoverError::GapTooWide { .. }),
             Self::Stretch { .. }
             | Self::Folded { .. }
-            | Self::Shortfall(_)
+            | Self::Shortfall { .. }
             | Self::Invalid(_)
             | Self::Fabrication(_) => false,
         }
@@ -194,19 +201,20 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         source => PipelineError::Flatten { path: path.to_owned(), source },
     };
     let gap = job.pattern.gap;
-    let (cover, control, report1, ratio) = clock.run("stage-1", |_| {
+    let (cover, control, reports1, ratio) = clock.run("stage-1", |_| {
         let scale = ConformalScale::solve(&mesh, &cycle).map_err(flatten_error)?;
         let ratio = scale.ratio();
         if ratio.is_nan() || ratio > MOST_STRETCH_RATIO {
-            return Err(PipelineError::Stretch { path: path.to_owned(), ratio });
+            let at = mesh.vertices[scale.most_scaled()];
+            return Err(PipelineError::Stretch { path: path.to_owned(), ratio, at });
         }
-        let flat = flatten(&mesh, &scale).map_err(flatten_error)?;
+        let flat = flatten(&mesh, &scale, EASY_RATIO).map_err(flatten_error)?;
         let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
         let first = first_axis(&mesh, &flat.points);
         let cover =
             cover(&outline, &first, job.pattern.pieces, job.pattern.stretches, gap, job.pattern.boundary)?;
         let control = stage1(&cover, &mesh, &flat.points);
-        Ok((cover, control, flattening_report(&flat), ratio))
+        Ok((cover, control, flattening_reports(&flat), ratio))
     })?;
     let target = Target::new(mesh, &cycle);
     let (control, report2) = clock.run("stage-2", |progress| {
@@ -222,32 +230,101 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let quality = measure(&design, &filled, &target, cover.cell.edge(), ratio);
     let shortfalls = quality.shortfalls(&Limits::default());
     if !shortfalls.is_empty() {
-        return Err(PipelineError::Shortfall(shortfalls));
+        let at = farthest(&filled, &target);
+        return Err(PipelineError::Shortfall { shortfalls, at });
     }
     let fans = cover.mesh.fans.iter().enumerate();
     let inner: Vec<usize> = fans.filter(|(_, fan)| fan.closed).map(|(corner, _)| corner).collect();
     let least_width = LEAST_WIDTH_IN_GAPS * job.fabrication.profile.hinge_gap();
     validity::check(&design, &filled, &inner, &target, least_width)?;
     let stages = vec![
-        Stage { name: "stage-1", reports: vec![report1] },
+        Stage { name: "stage-1", reports: reports1 },
         Stage { name: "stage-2", reports: vec![report2] },
         Stage { name: "stage-3", reports: reports3 },
     ];
     Ok(Designed { design, quality, stages, filled, target })
 }
 
-/// The rounds of the flattening in the form of the other stages' reports.
-fn flattening_report(flat: &Flattening) -> solver::Report {
-    let iteration = |energy: &f64| solver::Iteration { energies: vec![*energy], damping: 0.0 };
-    solver::Report {
-        terms: vec!["arap"],
-        iterations: flat.energies.iter().map(iteration).collect(),
-        termination: if flat.settled {
+/// The vertex of the pattern's open state that is farthest from the target.
+fn farthest(filled: &PolyMesh, target: &Target) -> Point3 {
+    let far = filled.vertices.iter().map(|p| (target.surface.distance(p), *p));
+    far.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(Point3::origin(), |(_, p)| p)
+}
+
+/// What a target asks for, and what is needed to draw it.
+pub struct Prediction {
+    /// The numbers.
+    pub feasibility: Feasibility,
+    /// The target, millimetres.
+    pub mesh: TriMesh,
+    /// #V points of its flattening; the conformal one where the map of Stage 1 folds over.
+    pub flat: Vec<Point2>,
+    /// The face of the file, counted from 1, that the worst triangle is part of.
+    pub worst_face: usize,
+}
+
+/// Reads the target, lays it flat as Stage 1 does and says what the pattern can do with it; nothing is optimised.
+///
+/// # Errors
+/// A mesh that cannot be used.
+pub fn predict(job: &Job, clock: &mut Clock) -> Result<Prediction, PipelineError> {
+    let path = target_path(job);
+    let (Surface { mesh, face_of, .. }, cycle) = clock.run("read", |_| read_target(job, path))?;
+    let flatten_error = |source| PipelineError::Flatten { path: path.to_owned(), source };
+    clock.run("feasibility", |_| {
+        let scale = ConformalScale::solve(&mesh, &cycle).map_err(flatten_error)?;
+        let (flat, stretched, folded) = match flatten(&mesh, &scale, EASY_RATIO) {
+            Ok(flat) => {
+                let stretched = stretches(&mesh, &flat.points);
+                (flat.points, stretched, false)
+            }
+            Err(FlattenError::Folded { .. }) => {
+                (conformal_points(&mesh, &scale), scale.stretches(&mesh), true)
+            }
+            Err(error) => return Err(flatten_error(error)),
+        };
+        let mut feasibility = feasibility(&mesh, &stretched, scale.ratio());
+        if folded {
+            feasibility.verdict = Verdict::Beyond;
+        }
+        let worst_face = face_of[feasibility.worst.triangle] + 1;
+        Ok(Prediction { feasibility, mesh, flat, worst_face })
+    })
+}
+
+/// A design in the coordinates in which it will be cut, without the checks of its cuts.
+///
+/// # Errors
+/// Those of [`design()`], hinges without room for their ligaments, or a part larger than the stock.
+pub fn placed_design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
+    let mut designed = design(job, clock)?;
+    let profile = &job.fabrication.profile;
+    let lengths = ligament_lengths(&designed.design, profile)?;
+    designed.design = place_on_sheet(&designed.design, profile, &lengths)?;
+    Ok(designed)
+}
+
+/// The rounds of the flattening in the form of the other stages' reports: first those that make it rigid, with the
+/// energy, then those that lower the worst stretch, with its ratio.
+fn flattening_reports(flat: &Flattening) -> Vec<solver::Report> {
+    let report = |term, values: &[f64], settled| solver::Report {
+        terms: vec![term],
+        iterations: values
+            .iter()
+            .filter(|value| value.is_finite())
+            .map(|value| solver::Iteration { energies: vec![*value], damping: 0.0 })
+            .collect(),
+        termination: if settled {
             solver::Termination::Stagnation
         } else {
             solver::Termination::IterationLimit
         },
+    };
+    let mut reports = vec![report("arap", &flat.energies, flat.settled)];
+    if flat.ratios.len() > 1 {
+        reports.push(report("worst-stretch-ratio", &flat.ratios, true));
     }
+    reports
 }
 
 /// The mesh that the open state takes on. The job's reader accepts nothing else.

@@ -25,7 +25,7 @@ struct Solved {
 fn solve(mesh: &TriMesh, counts: [usize; 2], stretches: [f64; 2], gap: f64) -> Solved {
     let cycle = disk(&mesh.faces).unwrap().boundary;
     let scale = ConformalScale::solve(mesh, &cycle).unwrap();
-    let flat = flatten(mesh, &scale).unwrap();
+    let flat = flatten(mesh, &scale, f64::INFINITY).unwrap();
     let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
     let first: Vector2 = flat.points[1] - flat.points[0];
     let cover = cover(&outline, &first, PieceSize::Counts(counts), stretches, gap, None).unwrap();

@@ -41,7 +41,8 @@ fn sheet(mesh: &TriMesh) -> Fabrication {
     let profile = kirimorph::profile::load("steel-304-0.5mm", Path::new(".")).unwrap();
     let gap = profile.hinge_gap();
     let cycle = topology::disk(&mesh.faces).unwrap().boundary;
-    let flat = flatten::flatten(mesh, &flatten::ConformalScale::solve(mesh, &cycle).unwrap()).unwrap();
+    let scale = flatten::ConformalScale::solve(mesh, &cycle).unwrap();
+    let flat = flatten::flatten(mesh, &scale, f64::INFINITY).unwrap();
     let outline: Vec<Point2> = cycle.iter().map(|&v| flat.points[v]).collect();
     let stretches = [std::f64::consts::SQRT_2; 2];
     let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();

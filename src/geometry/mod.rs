@@ -34,6 +34,10 @@ pub mod boundary;
 
 pub mod cotangent;
 
+mod laplacian;
+
+pub mod stretch;
+
 pub mod flatten;
 
 pub mod rotation;

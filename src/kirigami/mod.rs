@@ -24,6 +24,8 @@ pub mod design;
 
 pub mod hinges;
 
+pub mod feasibility;
+
 pub mod quality;
 
 pub mod validity;

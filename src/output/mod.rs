@@ -16,6 +16,10 @@ pub mod hinge_report;
 
 pub mod preview;
 
+pub mod stretch_map;
+
+pub mod whole_file;
+
 pub mod folder;
 
 use crate::fabrication::layout::CutKind;

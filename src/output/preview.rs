@@ -8,7 +8,7 @@
 mod detail;
 mod opened_corner;
 mod opening;
-mod page;
+pub(super) mod page;
 mod sheet;
 mod space;
 mod tables;

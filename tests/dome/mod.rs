@@ -9,6 +9,7 @@ use kirimorph::geometry::{Point3, Vector2};
 use kirimorph::kirigami::control_mesh::{Target, stage1};
 use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
 use kirimorph::kirigami::design::Design;
+use kirimorph::kirigami::feasibility::EASY_RATIO;
 use kirimorph::kirigami::filled::filled_surface;
 use kirimorph::kirigami::quality::{Quality, measure};
 use kirimorph::kirigami::stage3::{Pattern, initial_pattern, stage3};
@@ -38,7 +39,7 @@ pub fn dome() -> Dome {
     let mesh = mesh(14, 90.0, 14.0);
     let cycle = disk(&mesh.faces).unwrap().boundary;
     let scale = ConformalScale::solve(&mesh, &cycle).unwrap();
-    let flat = flatten(&mesh, &scale).unwrap();
+    let flat = flatten(&mesh, &scale, EASY_RATIO).unwrap();
     let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
     let stretches = [std::f64::consts::SQRT_2; 2];
     let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();

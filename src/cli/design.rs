@@ -1,0 +1,161 @@
+//! `kirimorph design`: the pattern alone, or what is to be expected of it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::progress::ProgressLine;
+use super::{Failure, print};
+use crate::job::{Job, Shape, read_job};
+use crate::kirigami::feasibility::{Feasibility, Verdict};
+use crate::output::design_json::{self, DesignFile, Provenance, WriteDesignError};
+use crate::output::stretch_map::{self, StretchMap};
+use crate::output::whole_file::write_whole;
+use crate::pipeline::{Clock, PipelineError, Prediction, fingerprints, placed_design, predict};
+
+/// What the user asks for.
+pub struct Options {
+    /// The job file.
+    pub job: PathBuf,
+    /// Where the design goes.
+    pub output: Option<PathBuf>,
+    /// Whether to stop after the prediction.
+    pub feasibility_only: bool,
+    /// Where the map goes: SVG, or HTML by its ending.
+    pub map: Option<PathBuf>,
+    /// Whether to print errors only.
+    pub quiet: bool,
+}
+
+/// Predicts, where asked for, and designs.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let job = read_job(&options.job).map_err(Failure::bad_input)?;
+    let name = options.job.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let html = match options.map.as_deref().map(|map| (map, map.extension().unwrap_or_default())) {
+        Some((_, ending)) if ending == "html" || ending == "htm" => true,
+        Some((map, ending)) if ending != "svg" => {
+            let message = format!("{}: the map must end in .svg or .html", map.display());
+            return Err(Failure::BadInput(message));
+        }
+        _ => false,
+    };
+    let mut line = ProgressLine::new(options.quiet);
+    let mut show = |progress| line.show(progress);
+    let mut clock = Clock::new(&mut show);
+    let prediction = if options.feasibility_only || options.map.is_some() {
+        Some(predict(&job, &mut clock).map_err(failure)?)
+    } else {
+        None
+    };
+    if let (Some(prediction), Some(map)) = (&prediction, &options.map) {
+        write_map(prediction, &name, map, html)?;
+    }
+    if let (Some(prediction), true) = (&prediction, options.feasibility_only) {
+        drop(clock);
+        drop(line);
+        return report(prediction, &name, options.quiet);
+    }
+    let designed = placed_design(&job, &mut clock).map_err(failure)?;
+    let file = options.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}.design.json")));
+    let hashes = fingerprints(&[("job", &options.job), ("target", target(&job))]);
+    let design = DesignFile {
+        design: &designed.design,
+        quality: &designed.quality,
+        stages: &designed.stages,
+        max_strain: None,
+        provenance: Provenance { job: &name, target: &target(&job).to_string_lossy(), hashes: &hashes },
+    };
+    write_whole::<WriteDesignError>(&file, |out| design_json::write(&design, out))
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+    drop(clock);
+    drop(line);
+    if !options.quiet {
+        let (pieces, hinges) = (designed.design.pieces.len(), designed.design.hinges.len());
+        let quality = &designed.quality;
+        print(&format!(
+            "{name}: designed, {pieces} pieces and {hinges} hinges; off the target {:.3} mm, length error {:.1e}\n\
+             Design in {}\n",
+            quality.distance_max,
+            quality.max_length_error,
+            file.display()
+        ));
+    }
+    Ok(())
+}
+
+fn failure(error: PipelineError) -> Failure {
+    if error.is_bad_input() { Failure::bad_input(error) } else { Failure::NotMakeable(error.to_string()) }
+}
+
+fn target(job: &Job) -> &Path {
+    match &job.target.open {
+        Shape::Mesh(path) => path,
+        Shape::Flat => Path::new("flat"),
+    }
+}
+
+fn write_map(prediction: &Prediction, name: &str, path: &Path, html: bool) -> Result<(), Failure> {
+    let found = &prediction.feasibility;
+    let map = StretchMap {
+        title: &format!("{name}: {}", found.verdict.word()),
+        mesh: &prediction.mesh,
+        flat: &prediction.flat,
+        openings: &found.openings,
+        beyond: &found.beyond,
+        worst: found.worst.triangle,
+        figures: &figures(prediction),
+    };
+    write_whole::<io::Error>(path, |out| {
+        if html { stretch_map::write_html(&map, out) } else { stretch_map::write_svg(&map, out) }
+    })
+    .map_err(|error| Failure::BadInput(format!("{}: cannot write the map: {error}", path.display())))
+}
+
+/// Prints the numbers; a target out of reach is refused.
+fn report(prediction: &Prediction, name: &str, quiet: bool) -> Result<(), Failure> {
+    let found = &prediction.feasibility;
+    if !quiet {
+        let mut text = format!("{name}: {}, {}\n", found.verdict.word(), meaning(found.verdict));
+        for (label, value) in figures(prediction) {
+            text += &format!("  {label:<24}  {value}\n");
+        }
+        print(&text);
+    }
+    if found.verdict != Verdict::Beyond {
+        return Ok(());
+    }
+    let Feasibility { worst, worst_ratio, conformal_ratio, .. } = found;
+    Err(Failure::NotMakeable(format!(
+        "{name}: out of reach: some places are stretched {worst_ratio:.3} times as much as others ({conformal_ratio:.3} \
+         times without shear); it is worst at face {} near ({:.2}, {:.2}, {:.2}) mm: cut the target into parts that \
+         curve less",
+        prediction.worst_face, worst.at.x, worst.at.y, worst.at.z
+    )))
+}
+
+fn meaning(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Easy => "expected to be reached",
+        Verdict::Hard => "the optimisation decides; from a conformal ratio of about 2 on cuts may be needed",
+        Verdict::Beyond => "out of reach without cuts",
+    }
+}
+
+/// The numbers: label and value.
+fn figures(prediction: &Prediction) -> Vec<(String, String)> {
+    let found = &prediction.feasibility;
+    let ([low, high], worst) = (found.range, &found.worst);
+    let rows = [
+        ("triangles", prediction.mesh.faces.len().to_string()),
+        ("worst stretch ratio", format!("{:.4}", found.worst_ratio)),
+        ("conformal ratio", format!("{:.4}", found.conformal_ratio)),
+        ("opening stretches", format!("{low:.3} to {high:.3}")),
+        ("area within reach", format!("{:.2} %", 100.0 * found.reached)),
+        ("off full opening, mean", format!("{:.2} %", 100.0 * found.mean_deviation)),
+        ("off full opening, most", format!("{:.2} %", 100.0 * found.largest_deviation)),
+        ("worst at face", prediction.worst_face.to_string()),
+        ("worst place", format!("{:.2}, {:.2}, {:.2} mm", worst.at.x, worst.at.y, worst.at.z)),
+        ("stretches there", format!("{:.3} and {:.3}", worst.stretches[0], worst.stretches[1])),
+        ("verdict", found.verdict.word().to_owned()),
+    ];
+    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
