@@ -1,8 +1,9 @@
 //! The main job, stage by stage: the table of contents in code.
 
+mod clock;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
@@ -13,17 +14,20 @@ use crate::geometry::topology::{Defect, NotADisk, check_disk};
 use crate::geometry::triangulate::{Surface, TriangulateError, triangulate};
 use crate::geometry::{Point3, Vector2, bounds};
 use crate::job::{Job, Shape};
-use crate::kirigami::control_mesh::{Target, stage1};
-use crate::kirigami::cover::{CoverError, cover};
-use crate::kirigami::design::Design;
+use crate::kirigami::control_mesh::{ControlMesh, Target, stage1};
+use crate::kirigami::cover::{Cover, CoverError, cover};
+use crate::kirigami::design::{Design, Piece};
 use crate::kirigami::filled::filled_surface;
 use crate::kirigami::quality::{Limits, Quality, Shortfall, measure};
 use crate::kirigami::stage2::stage2;
-use crate::kirigami::stage3::{initial_pattern, stage3};
+use crate::kirigami::stage3::{Pattern, initial_pattern, stage3};
 use crate::kirigami::validity::{self, Invalid};
 use crate::kirigami::{hinges, stage2, stage3};
+use crate::memory;
 use crate::output::design_json::Stage;
-use crate::solver;
+use crate::solver::{self, Report, Run, Step, Termination};
+
+pub use clock::{Clock, Event, Progress, Timings, Watch};
 
 /// Targets whose conformal flattening stretches more unevenly than this are refused before optimising:
 /// turning pieces stretch a sheet by 1 at least and by less than 3 at most (section 2.2 of the paper's model:
@@ -67,6 +71,14 @@ pub enum PipelineError {
     Invalid(#[from] Invalid),
     #[error(transparent)]
     Fabrication(#[from] FabricationError),
+    #[error(transparent)]
+    Memory(#[from] memory::NotEnough),
+    /// Somebody asked to stop.
+    #[error("interrupted in {stage}")]
+    Interrupted { stage: &'static str, reached: Option<Box<Reached>> },
+    /// The state to go on from belongs to other work.
+    #[error("{0}")]
+    Journal(String),
 }
 
 fn list(shortfalls: &[Shortfall]) -> String {
@@ -77,7 +89,7 @@ impl PipelineError {
     /// Whether the input is faulty (exit status 1), rather than sound but not makeable (2).
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::Read(_) | Self::Triangulate { .. } => true,
+            Self::Read(_) | Self::Triangulate { .. } | Self::Journal(_) => true,
             Self::Topology { source, .. } => !matches!(
                 source.defect,
                 Defect::Closed { .. }
@@ -91,18 +103,22 @@ impl PipelineError {
             | Self::Folded { .. }
             | Self::Shortfall(_)
             | Self::Invalid(_)
-            | Self::Fabrication(_) => false,
+            | Self::Fabrication(_)
+            | Self::Memory(_)
+            | Self::Interrupted { .. } => false,
         }
     }
 }
 
-/// Where the work stands, for a progress line.
-#[derive(Debug, Clone, Copy)]
-pub struct Progress {
-    /// Name of the stage.
+/// What an interrupted job had reached.
+#[derive(Debug, Clone)]
+pub struct Reached {
+    /// The stage that was broken off: "stage-2" or later.
     pub stage: &'static str,
-    /// Accepted steps so far, and the energy, while the solver runs.
-    pub step: Option<(usize, f64)>,
+    /// The pieces, not yet or not quite congruent in their two states.
+    pub pieces: Vec<Piece>,
+    /// The minimisations so far.
+    pub journal: Vec<solver::journal::Entry>,
 }
 
 /// A design with all that is needed to measure it again.
@@ -127,35 +143,6 @@ pub struct Made {
     pub stages: Vec<Stage>,
 }
 
-/// Wall-clock seconds of each stage, in the order they ran.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Timings(pub Vec<(&'static str, f64)>);
-
-/// Runs stages and keeps their times.
-pub struct Clock<'a> {
-    /// Seconds so far.
-    pub timings: Timings,
-    progress: &'a mut dyn FnMut(Progress),
-}
-
-impl<'a> Clock<'a> {
-    /// A clock that reports to `progress`.
-    pub fn new(progress: &'a mut dyn FnMut(Progress)) -> Self {
-        Self { timings: Timings::default(), progress }
-    }
-
-    /// Runs a stage, handing it a callback for its iterations.
-    pub fn run<T>(&mut self, stage: &'static str, work: impl FnOnce(&mut dyn FnMut(usize, f64)) -> T) -> T {
-        (self.progress)(Progress { stage, step: None });
-        let start = Instant::now();
-        let progress = &mut self.progress;
-        let result =
-            work(&mut |iteration, energy| progress(Progress { stage, step: Some((iteration, energy)) }));
-        self.timings.0.push((stage, start.elapsed().as_secs_f64()));
-        result
-    }
-}
-
 /// Does the whole job in memory.
 ///
 /// # Errors
@@ -166,6 +153,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
         let lengths = ligament_lengths(&designed.design, &job.fabrication.profile)?;
         fabricate(&designed.design, &job.fabrication.profile, &lengths)
     })?;
+    clock.go_on(|| Some(reached("fabrication", &designed.design, clock)))?;
     let quality = measure(
         &fabrication.design,
         &designed.filled,
@@ -193,6 +181,7 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         },
         source => PipelineError::Flatten { path: path.to_owned(), source },
     };
+    clock.go_on(|| None)?;
     let gap = job.pattern.gap;
     let (cover, control, report1, ratio) = clock.run("stage-1", |_| {
         let scale = ConformalScale::solve(&mesh, &cycle).map_err(flatten_error)?;
@@ -207,15 +196,12 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         let control = stage1(&cover, &mesh, &flat.points);
         Ok((cover, control, flattening_report(&flat), ratio))
     })?;
+    clock.go_on(|| None)?;
+    if let Some(free) = clock.memory {
+        memory::check(cover.mesh.pieces.len(), free)?;
+    }
     let target = Target::new(mesh, &cycle);
-    let (control, report2) = clock.run("stage-2", |progress| {
-        let options = solver::Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        stage2(&cover, &control, &target, gap, &stage2::Weights::default(), &options, progress)
-    });
-    let (pattern, reports3) = clock.run("stage-3", |progress| {
-        let start = initial_pattern(&cover, &control, gap);
-        stage3(&cover, start, &target, gap, &stage3::Weights::default(), progress)
-    });
+    let (pattern, [report2, reports3]) = optimise(&cover, &control, &target, gap, clock)?;
     let design = hinges::design(&cover.mesh, &pattern, gap);
     let filled = filled_surface(&cover.mesh, &pattern.open);
     let quality = measure(&design, &filled, &target, cover.cell.edge(), ratio);
@@ -229,23 +215,47 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     validity::check(&design, &filled, &inner, &target, least_width)?;
     let stages = vec![
         Stage { name: "stage-1", reports: vec![report1] },
-        Stage { name: "stage-2", reports: vec![report2] },
+        Stage { name: "stage-2", reports: report2 },
         Stage { name: "stage-3", reports: reports3 },
     ];
     Ok(Designed { design, quality, stages, filled, target })
 }
 
+/// Runs Stages 2 and 3. Returns the pattern and the reports of both stages.
+fn optimise(
+    cover: &Cover,
+    control: &ControlMesh,
+    target: &Target,
+    gap: f64,
+    clock: &mut Clock,
+) -> Result<(Pattern, [Vec<Report>; 2]), PipelineError> {
+    let pieces = |pattern: &Pattern| hinges::design(&cover.mesh, pattern, gap);
+    let (control, report) = clock.run("stage-2", |run| {
+        let watch = &mut |step: &Step| (run.watch)(&Step { later: stage3::most_steps(), ..*step });
+        let mut run = Run { journal: run.journal, watch };
+        let options = solver::Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
+        stage2(cover, control, target, gap, &stage2::Weights::default(), &options, &mut run)
+    });
+    let start = initial_pattern(cover, &control, gap);
+    clock.go_on(|| Some(reached("stage-2", &pieces(&start), clock)))?;
+    let (pattern, reports) =
+        clock.run("stage-3", |run| stage3(cover, start, target, gap, &stage3::Weights::default(), run));
+    clock.go_on(|| Some(reached("stage-3", &pieces(&pattern), clock)))?;
+    Ok((pattern, [vec![report], reports]))
+}
+
+fn reached(stage: &'static str, design: &Design, clock: &Clock) -> Reached {
+    Reached { stage, pieces: design.pieces.clone(), journal: clock.journal.entries().to_vec() }
+}
+
 /// The rounds of the flattening in the form of the other stages' reports.
-fn flattening_report(flat: &Flattening) -> solver::Report {
+fn flattening_report(flat: &Flattening) -> Report {
     let iteration = |energy: &f64| solver::Iteration { energies: vec![*energy], damping: 0.0 };
-    solver::Report {
-        terms: vec!["arap"],
+    Report {
+        terms: vec!["arap".to_owned()],
         iterations: flat.energies.iter().map(iteration).collect(),
-        termination: if flat.settled {
-            solver::Termination::Stagnation
-        } else {
-            solver::Termination::IterationLimit
-        },
+        next_damping: 0.0,
+        termination: if flat.settled { Termination::Stagnation } else { Termination::IterationLimit },
     }
 }
 
@@ -300,18 +310,18 @@ fn first_axis(mesh: &TriMesh, flat: &[crate::geometry::Point2]) -> Vector2 {
     }
 }
 
-/// Hashes by name: FNV-1a, 64 bits, of the bytes of the job file and the target, to tell files of one design
-/// from others'.
+/// A hash of bytes, as text: FNV-1a, 64 bits.
+pub fn fingerprint(bytes: &[u8]) -> String {
+    let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    format!("fnv1a64:{hash:016x}")
+}
+
+/// Hashes by name of the bytes of the job file and the target, to tell files of one design from others'.
 pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
-    let fnv = |bytes: &[u8]| {
-        bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
-    };
     files
         .iter()
-        .filter_map(|(name, path)| {
-            Some(((*name).to_owned(), format!("fnv1a64:{:016x}", fnv(&std::fs::read(path).ok()?))))
-        })
+        .filter_map(|(name, path)| Some(((*name).to_owned(), fingerprint(&std::fs::read(path).ok()?))))
         .collect()
 }

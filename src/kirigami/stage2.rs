@@ -8,7 +8,7 @@ use super::cover::Cover;
 use super::piece_mesh::PieceMesh;
 use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
 use crate::geometry::{Point2, Point3};
-use crate::solver::{Options, Report, Weighted, minimize};
+use crate::solver::{Options, Report, Run, Weighted};
 
 /// Weights of the terms, for meshes whose mean edge is 1.
 #[derive(Debug, Clone)]
@@ -59,8 +59,7 @@ impl Unknowns {
 
 /// Optimises a pair of control meshes.
 ///
-/// `gap` is the distance between the two hinge points of a corner, millimetres; `progress` receives the
-/// iteration and the energy.
+/// `gap` is the distance between the two hinge points of a corner, millimetres.
 pub fn stage2(
     cover: &Cover,
     start: &ControlMesh,
@@ -68,13 +67,29 @@ pub fn stage2(
     gap: f64,
     weights: &Weights,
     options: &Options,
-    progress: &mut dyn FnMut(usize, f64),
+    run: &mut Run,
 ) -> (ControlMesh, Report) {
     let scale = cover.cell.edge();
     let mesh = &cover.mesh;
     let at = Unknowns { corners: mesh.corner_count, pieces: mesh.pieces.len() };
     let mut x = pack(start, scale);
-    let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, &at);
+    let terms = || terms(cover, start, target, &at, gap / scale, weights);
+    let report = run.journal.minimize("stage-2", terms, &mut x, options, run.watch);
+    (unpack(&x, &at, scale), report)
+}
+
+/// All terms; `gap` in mean edges.
+fn terms<'a>(
+    cover: &Cover,
+    start: &ControlMesh,
+    target: &'a Target,
+    at: &Unknowns,
+    gap: f64,
+    weights: &Weights,
+) -> Vec<Weighted<'a>> {
+    let scale = cover.cell.edge();
+    let mesh = &cover.mesh;
+    let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, at);
     let border: Vec<usize> = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed).collect();
     let holds = holds(border.iter().map(|&c| start.open_corners[c]), target, cover.follows_outline);
     let open = (0..mesh.corner_count)
@@ -83,19 +98,14 @@ pub fn stage2(
         .map(|point| (point, Hold::Surface));
     let boundary = border.iter().zip(holds).map(|(&c, hold)| (at.open_corner(c), hold));
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
-    let mut terms = vec![
+    vec![
         Weighted { term: Box::new(OrthogonalDiagonals::new(both)), weight: weights.orth },
-        Weighted {
-            term: Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap / scale)),
-            weight: weights.geom,
-        },
+        Weighted { term: Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap)), weight: weights.geom },
         Weighted { term: Box::new(Held::new("prox", open, target, scale)), weight: weights.prox },
         Weighted { term: Box::new(Held::new("boundary", boundary, target, scale)), weight: weights.boundary },
-        Weighted { term: Box::new(fairness(mesh, &at, 2)), weight: weights.fair },
-        Weighted { term: Box::new(fairness(mesh, &at, 3)), weight: weights.fair },
-    ];
-    let report = minimize(&mut terms, &mut x, options, progress);
-    (unpack(&x, &at, scale), report)
+        Weighted { term: Box::new(fairness(mesh, at, 2)), weight: weights.fair },
+        Weighted { term: Box::new(fairness(mesh, at, 3)), weight: weights.fair },
+    ]
 }
 
 /// What border points are held to: the target's boundary where the grid follows the outline; else the place,

@@ -12,7 +12,7 @@ use super::piece_mesh::{Edge, PieceMesh};
 use super::stage2::holds;
 use super::terms::{Held, Hold, Isometry, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles};
 use crate::geometry::{Point2, Point3, Vector2, Vector3};
-use crate::solver::{Options, Report, Term, Weighted, minimize};
+use crate::solver::{Options, Report, Run, Step, Term, Termination, Weighted};
 
 /// Weights of the soft phase, for a mean edge of 1. Isometry and planarity have weight 1.
 #[derive(Debug, Clone)]
@@ -101,14 +101,15 @@ pub fn initial_pattern(cover: &Cover, control: &ControlMesh, gap: f64) -> Patter
 /// Optimises the pattern: a soft phase with fairness, one without, and a hard phase of isometry and planarity
 /// alone.
 ///
-/// Returns the pattern and one report per phase. `progress` receives the iteration and the energy.
+/// Returns the pattern and one report per phase; fewer, the last of them interrupted, where the watch says
+/// so.
 pub fn stage3(
     cover: &Cover,
     start: Pattern,
     target: &Target,
     gap: f64,
     weights: &Weights,
-    progress: &mut dyn FnMut(usize, f64),
+    run: &mut Run,
 ) -> (Pattern, Vec<Report>) {
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
@@ -118,19 +119,30 @@ pub fn stage3(
     let at = Unknowns { corners: mesh.corner_count };
     let mut pattern = start;
     let mut reports = Vec::new();
-    for phase in phases(weights) {
+    let phases = phases(weights);
+    for (number, phase) in phases.iter().enumerate() {
         pattern.offsets = hinge_offsets(mesh, &pattern.corners, gap);
-        let pieces = pieces(mesh, &at, &pattern.offsets, scale);
-        let mut terms = vec![
-            Weighted { term: Box::new(Isometry::new(&pieces)), weight: 1.0 },
-            Weighted { term: Box::new(Planarity::new(&pieces)), weight: 1.0 },
-        ];
-        if phase.soft > 0.0 {
-            terms.extend(soft_terms(cover, target, &at, &held, weights, &phase));
-        }
+        let terms = || {
+            let pieces = pieces(mesh, &at, &pattern.offsets, scale);
+            let mut terms = vec![
+                Weighted { term: Box::new(Isometry::new(&pieces)), weight: 1.0 },
+                Weighted { term: Box::new(Planarity::new(&pieces)), weight: 1.0 },
+            ];
+            if phase.soft > 0.0 {
+                terms.extend(soft_terms(cover, target, &at, &held, weights, phase));
+            }
+            terms
+        };
+        let later = phases[number + 1..].iter().map(|phase| phase.options.iterations).sum();
+        let watch = &mut |step: &Step| (run.watch)(&Step { phase: number, later, ..*step });
         let mut x = pack(&pattern, scale);
-        reports.push(minimize(&mut terms, &mut x, &phase.options, progress));
+        let report = run.journal.minimize("stage-3", terms, &mut x, &phase.options, watch);
         unpack(&x, scale, &mut pattern);
+        let interrupted = report.termination == Termination::Interrupted;
+        reports.push(report);
+        if interrupted {
+            break;
+        }
     }
     (pattern, reports)
 }
@@ -155,6 +167,11 @@ const SOFT_PHASES: [(f64, f64, usize, f64); 5] = [
     (0.2, 4e-3, 10, 1e-3),
     (0.02, 4e-4, 10, 1e-3),
 ];
+
+/// Most steps of all phases together.
+pub fn most_steps() -> usize {
+    phases(&Weights::default()).iter().map(|phase| phase.options.iterations).sum()
+}
 
 fn phases(weights: &Weights) -> Vec<Phase> {
     let soft = SOFT_PHASES.iter().map(|&(soft, fair, iterations, energy_tolerance)| Phase {

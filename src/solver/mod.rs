@@ -12,7 +12,10 @@ pub mod levenberg_marquardt;
 
 pub mod normal_equations;
 
-pub use levenberg_marquardt::{Iteration, Options, Report, Termination, minimize};
+pub mod journal;
+
+pub use journal::{Journal, Run};
+pub use levenberg_marquardt::{Iteration, Options, Report, Step, Termination, Watch, go_on, minimize};
 
 /// A family of residual blocks of the same meaning.
 ///
