@@ -1,10 +1,13 @@
 //! The command line: the only place that opens output files and prints.
 //!
-//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, or a hinge that fails.
+//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, interrupted, or a hinge that fails.
 
 mod check;
 mod design;
+mod events;
+mod interrupt;
 mod make;
+mod partial;
 mod progress;
 
 use std::ffi::OsString;
@@ -12,6 +15,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use progress::Reporting;
 
 /// Flat sheets with cut patterns that morph into surfaces: design, hinges, laser files.
 #[derive(Debug, Parser)]
@@ -22,7 +27,8 @@ struct Arguments {
 }
 
 const EXIT_HELP: &str = "Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, target not reached, \
-                         or a hinge that fails.";
+                         interrupted, or a hinge that fails. Ctrl-C stops at the next step and leaves design.partial.json \
+                         in the results' folder, from which --resume goes on; a second Ctrl-C stops at once (130).";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -36,9 +42,10 @@ enum Command {
         /// Write the files even where a hinge fails; its verdict stays "fail".
         #[arg(long)]
         allow_failing_hinges: bool,
-        /// Print errors only.
-        #[arg(short, long)]
-        quiet: bool,
+        #[command(flatten)]
+        optimisation: Optimisation,
+        #[command(flatten)]
+        reporting: Reporting,
     },
     /// Design the pattern alone, or predict whether the target can be reached.
     Design {
@@ -53,9 +60,10 @@ enum Command {
         /// Draw where the target asks for how much stretch, as FILE.svg or FILE.html.
         #[arg(long, value_name = "FILE")]
         map: Option<PathBuf>,
-        /// Print errors only.
-        #[arg(short, long)]
-        quiet: bool,
+        #[command(flatten)]
+        optimisation: Optimisation,
+        #[command(flatten)]
+        reporting: Reporting,
     },
     /// Check the hinges of a design against a profile: prints the worst ones.
     Check {
@@ -75,17 +83,50 @@ enum Command {
     Profiles,
 }
 
+/// How the optimisation is run.
+#[derive(Debug, Clone, clap::Args)]
+struct Optimisation {
+    /// Go on from the design.partial.json that an interrupted run left in the results' folder. Job, target and
+    /// profile must be the same; so is the result.
+    #[arg(long)]
+    resume: bool,
+    /// Start even where the optimisation needs more memory than is free.
+    #[arg(long)]
+    ignore_memory: bool,
+}
+
+impl Command {
+    /// Whether the command tells everything in events.
+    fn tells_events(&self) -> bool {
+        match self {
+            Self::Make { reporting, .. } | Self::Design { reporting, .. } => reporting.json,
+            Self::Check { .. } | Self::Profiles => false,
+        }
+    }
+}
+
 /// How a command ends.
 enum Failure {
     /// Exit status 1.
     BadInput(String),
     /// Exit status 2.
     NotMakeable(String),
+    /// Exit status 2: somebody asked to stop.
+    Interrupted(String),
 }
 
 impl Failure {
     fn bad_input(error: impl std::fmt::Display) -> Self {
         Self::BadInput(error.to_string())
+    }
+
+    /// The exit status, how the message begins, and the message.
+    fn parts(self) -> (u8, &'static str, String) {
+        match self {
+            Self::BadInput(message) => (1, "error", message),
+            Self::NotMakeable(message) => (2, "refused", message),
+            Self::Interrupted(message) => (2, "interrupted", message),
+        }
     }
 }
 
@@ -100,12 +141,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return if error.use_stderr() { ExitCode::from(1) } else { ExitCode::SUCCESS };
         }
     };
+    let events = arguments.command.tells_events();
     let result = match arguments.command {
-        Command::Make { job, output, allow_failing_hinges, quiet } => {
-            make::run(&job, output, allow_failing_hinges, quiet)
+        Command::Make { job, output, allow_failing_hinges, optimisation, reporting } => {
+            make::run(&job, output, allow_failing_hinges, &optimisation, &reporting)
         }
-        Command::Design { job, output, feasibility_only, map, quiet } => {
-            design::run(&design::Options { job, output, feasibility_only, map, quiet })
+        Command::Design { job, output, feasibility_only, map, optimisation, reporting } => {
+            design::run(&design::Options { job, output, feasibility_only, map, optimisation, reporting })
         }
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)
@@ -114,13 +156,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::BadInput(message)) => {
-            eprintln!("error: {message}");
-            ExitCode::from(1)
-        }
-        Err(Failure::NotMakeable(message)) => {
-            eprintln!("refused: {message}");
-            ExitCode::from(2)
+        Err(failure) => {
+            let (status, word, message) = failure.parts();
+            if events {
+                events::error(word, &message, status);
+            }
+            eprintln!("{word}: {message}");
+            ExitCode::from(status)
         }
     }
 }

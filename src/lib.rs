@@ -33,6 +33,8 @@ pub mod fabrication;
 
 pub mod output;
 
+pub mod memory;
+
 pub mod pipeline;
 
 pub mod cli;

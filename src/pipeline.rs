@@ -1,8 +1,9 @@
 //! The main job, stage by stage: the table of contents in code.
 
+mod clock;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
@@ -15,18 +16,21 @@ use crate::geometry::topology::{Defect, NotADisk, check_disk};
 use crate::geometry::triangulate::{Surface, TriangulateError, triangulate};
 use crate::geometry::{Point2, Point3, Vector2, bounds};
 use crate::job::{Job, Shape};
-use crate::kirigami::control_mesh::{Target, stage1};
+use crate::kirigami::control_mesh::{LinearMap, Target};
 use crate::kirigami::cover::{CoverError, cover};
-use crate::kirigami::design::Design;
+use crate::kirigami::design::{Design, Piece};
 use crate::kirigami::feasibility::{EASY_RATIO, Feasibility, MOST_STRETCH_RATIO, Verdict, feasibility};
 use crate::kirigami::filled::filled_surface;
 use crate::kirigami::hinges;
+use crate::kirigami::levels::{COARSEST, Climb, Level, Reached};
+use crate::kirigami::pattern::{Pattern, initial_pattern};
 use crate::kirigami::quality::{Limits, Quality, Shortfall, measure};
-use crate::kirigami::stage2::stage2;
-use crate::kirigami::stage3::{initial_pattern, stage3};
 use crate::kirigami::validity::{self, Invalid};
+use crate::memory;
 use crate::output::design_json::Stage;
-use crate::solver;
+use crate::solver::{self, Report};
+
+pub use clock::{Clock, Event, Progress, Timings, Watch};
 
 /// Piece polygons must be at least this many hinge gaps wide, so that ligaments and slits find room.
 const LEAST_WIDTH_IN_GAPS: f64 = 2.0;
@@ -74,6 +78,14 @@ pub enum PipelineError {
     Invalid(#[from] Invalid),
     #[error(transparent)]
     Fabrication(#[from] FabricationError),
+    #[error(transparent)]
+    Memory(#[from] memory::NotEnough),
+    /// Somebody asked to stop.
+    #[error("interrupted in {stage}")]
+    Interrupted { stage: &'static str, reached: Option<Box<Partial>> },
+    /// The state to go on from belongs to other work.
+    #[error("{0}")]
+    Journal(String),
 }
 
 fn list(shortfalls: &[Shortfall]) -> String {
@@ -84,7 +96,7 @@ impl PipelineError {
     /// Whether the input is faulty (exit status 1), rather than sound but not makeable (2).
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::Read(_) | Self::Triangulate { .. } => true,
+            Self::Read(_) | Self::Triangulate { .. } | Self::Journal(_) => true,
             Self::Topology { source, .. } => !matches!(
                 source.defect,
                 Defect::Closed { .. }
@@ -98,18 +110,22 @@ impl PipelineError {
             | Self::Folded { .. }
             | Self::Shortfall { .. }
             | Self::Invalid(_)
-            | Self::Fabrication(_) => false,
+            | Self::Fabrication(_)
+            | Self::Memory(_)
+            | Self::Interrupted { .. } => false,
         }
     }
 }
 
-/// Where the work stands, for a progress line.
-#[derive(Debug, Clone, Copy)]
-pub struct Progress {
-    /// Name of the stage.
+/// What an interrupted job had reached.
+#[derive(Debug, Clone)]
+pub struct Partial {
+    /// The stage that was broken off: "stage-2" or later.
     pub stage: &'static str,
-    /// Accepted steps so far, and the energy, while the solver runs.
-    pub step: Option<(usize, f64)>,
+    /// The pieces, not yet or not quite congruent in their two states.
+    pub pieces: Vec<Piece>,
+    /// The minimisations so far.
+    pub journal: Vec<solver::journal::Entry>,
 }
 
 /// A design with all that is needed to measure it again.
@@ -134,35 +150,6 @@ pub struct Made {
     pub stages: Vec<Stage>,
 }
 
-/// Wall-clock seconds of each stage, in the order they ran.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Timings(pub Vec<(&'static str, f64)>);
-
-/// Runs stages and keeps their times.
-pub struct Clock<'a> {
-    /// Seconds so far.
-    pub timings: Timings,
-    progress: &'a mut dyn FnMut(Progress),
-}
-
-impl<'a> Clock<'a> {
-    /// A clock that reports to `progress`.
-    pub fn new(progress: &'a mut dyn FnMut(Progress)) -> Self {
-        Self { timings: Timings::default(), progress }
-    }
-
-    /// Runs a stage, handing it a callback for its iterations.
-    pub fn run<T>(&mut self, stage: &'static str, work: impl FnOnce(&mut dyn FnMut(usize, f64)) -> T) -> T {
-        (self.progress)(Progress { stage, step: None });
-        let start = Instant::now();
-        let progress = &mut self.progress;
-        let result =
-            work(&mut |iteration, energy| progress(Progress { stage, step: Some((iteration, energy)) }));
-        self.timings.0.push((stage, start.elapsed().as_secs_f64()));
-        result
-    }
-}
-
 /// Does the whole job in memory.
 ///
 /// # Errors
@@ -173,6 +160,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
         let lengths = ligament_lengths(&designed.design, &job.fabrication.profile)?;
         fabricate(&designed.design, &job.fabrication.profile, &lengths)
     })?;
+    clock.go_on(|| Some(reached("fabrication", &designed.design, clock)))?;
     let quality = measure(
         &fabrication.design,
         &designed.filled,
@@ -200,8 +188,8 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         },
         source => PipelineError::Flatten { path: path.to_owned(), source },
     };
-    let gap = job.pattern.gap;
-    let (cover, control, reports1, ratio) = clock.run("stage-1", |_| {
+    clock.go_on(|| None)?;
+    let (mut levels, lift, reports1, ratio) = clock.run("stage-1", |_| {
         let scale = ConformalScale::solve(&mesh, &cycle).map_err(flatten_error)?;
         let ratio = scale.ratio();
         if ratio.is_nan() || ratio > MOST_STRETCH_RATIO {
@@ -211,20 +199,23 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         let flat = flatten(&mesh, &scale, EASY_RATIO).map_err(flatten_error)?;
         let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
         let first = first_axis(&mesh, &flat.points);
-        let cover =
-            cover(&outline, &first, job.pattern.pieces, job.pattern.stretches, gap, job.pattern.boundary)?;
-        let control = stage1(&cover, &mesh, &flat.points);
-        Ok((cover, control, flattening_reports(&flat), ratio))
+        let levels = lay_grids(job, &outline, &first)?;
+        Ok((levels, LinearMap::new(mesh.clone(), &flat.points), flattening_reports(&flat), ratio))
     })?;
+    clock.go_on(|| None)?;
+    if let Some(free) = clock.memory {
+        memory::check(levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
+    }
     let target = Target::new(mesh, &cycle);
-    let (control, report2) = clock.run("stage-2", |progress| {
-        let options = solver::Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        stage2(&cover, &control, &target, gap, &job.solver.stage2, &options, progress)
-    });
-    let (pattern, reports3) = clock.run("stage-3", |progress| {
-        let start = initial_pattern(&cover, &control, gap);
-        stage3(&cover, start, &target, gap, &job.solver.stage3, progress)
-    });
+    let climb = Climb {
+        levels: &levels,
+        lift: &lift,
+        target: &target,
+        stage2: &job.solver.stage2,
+        stage3: &job.solver.stage3,
+    };
+    let (pattern, [reports2, reports3]) = optimise(&climb, clock)?;
+    let Level { cover, gap } = levels.pop().expect("at least one level");
     let design = hinges::design(&cover.mesh, &pattern, gap);
     let filled = filled_surface(&cover.mesh, &pattern.open);
     let quality = measure(&design, &filled, &target, cover.cell.edge(), ratio);
@@ -239,10 +230,43 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     validity::check(&design, &filled, &inner, &target, least_width)?;
     let stages = vec![
         Stage { name: "stage-1", reports: reports1 },
-        Stage { name: "stage-2", reports: vec![report2] },
+        Stage { name: "stage-2", reports: reports2 },
         Stage { name: "stage-3", reports: reports3 },
     ];
     Ok(Designed { design, quality, stages, filled, target })
+}
+
+/// Lays the grid that the job asks for, and coarser ones to begin with: the coarsest first.
+fn lay_grids(job: &Job, outline: &[Point2], first: &Vector2) -> Result<Vec<Level>, CoverError> {
+    let (mut size, mut gap) = (job.pattern.pieces, job.pattern.gap);
+    let lay = |size, gap| cover(outline, first, size, job.pattern.stretches, gap, job.pattern.boundary);
+    let mut levels = vec![Level { cover: lay(size, gap)?, gap }];
+    while levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
+        (size, gap) = (size.coarser(), 2.0 * gap);
+        // Large pieces may not fit a narrow target.
+        let Ok(cover) = lay(size, gap) else { break };
+        levels.push(Level { cover, gap });
+    }
+    levels.reverse();
+    Ok(levels)
+}
+
+/// Runs Stages 2 and 3. Returns the pattern and the reports of both stages.
+fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Pattern, [Vec<Report>; 2]), PipelineError> {
+    let pieces = |level: usize, pattern: &Pattern| {
+        let Level { cover, gap } = &climb.levels[level];
+        hinges::design(&cover.mesh, pattern, *gap)
+    };
+    let (control, report) = clock.run("stage-2", |run| climb.stage2(run));
+    let start = initial_pattern(&climb.levels[0].cover, &control, climb.levels[0].gap);
+    clock.go_on(|| Some(reached("stage-2", &pieces(0, &start), clock)))?;
+    let Reached { level, pattern, reports } = clock.run("stage-3", |run| climb.stage3(control, run));
+    clock.go_on(|| Some(reached("stage-3", &pieces(level, &pattern), clock)))?;
+    Ok((pattern, [vec![report], reports]))
+}
+
+fn reached(stage: &'static str, design: &Design, clock: &Clock) -> Partial {
+    Partial { stage, pieces: design.pieces.clone(), journal: clock.journal.entries().to_vec() }
 }
 
 /// The vertex of the pattern's open state that is farthest from the target.
@@ -308,12 +332,13 @@ pub fn placed_design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineE
 /// energy, then those that lower the worst stretch, with its ratio.
 fn flattening_reports(flat: &Flattening) -> Vec<solver::Report> {
     let report = |term, values: &[f64], settled| solver::Report {
-        terms: vec![term],
+        terms: vec![String::from(term)],
         iterations: values
             .iter()
             .filter(|value| value.is_finite())
             .map(|value| solver::Iteration { energies: vec![*value], damping: 0.0 })
             .collect(),
+        next_damping: 0.0,
         termination: if settled {
             solver::Termination::Stagnation
         } else {
@@ -378,18 +403,18 @@ fn first_axis(mesh: &TriMesh, flat: &[crate::geometry::Point2]) -> Vector2 {
     }
 }
 
-/// Hashes by name: FNV-1a, 64 bits, of the bytes of the job file and the target, to tell files of one design
-/// from others'.
+/// A hash of bytes, as text: FNV-1a, 64 bits.
+pub fn fingerprint(bytes: &[u8]) -> String {
+    let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    format!("fnv1a64:{hash:016x}")
+}
+
+/// Hashes by name of the bytes of the job file and the target, to tell files of one design from others'.
 pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
-    let fnv = |bytes: &[u8]| {
-        bytes.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-        })
-    };
     files
         .iter()
-        .filter_map(|(name, path)| {
-            Some(((*name).to_owned(), format!("fnv1a64:{:016x}", fnv(&std::fs::read(path).ok()?))))
-        })
+        .filter_map(|(name, path)| Some(((*name).to_owned(), fingerprint(&std::fs::read(path).ok()?))))
         .collect()
 }

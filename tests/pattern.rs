@@ -1,6 +1,7 @@
 //! The optimised pattern against closed forms and invariances.
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
+use std::ops::ControlFlow;
 
 use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::mesh::TriMesh;
@@ -13,7 +14,7 @@ use kirimorph::kirigami::filled::filled_surface;
 use kirimorph::kirigami::quality::{Limits, Quality, measure};
 use kirimorph::kirigami::stage3::{initial_pattern, stage3};
 use kirimorph::kirigami::{hinges, stage2, stage3};
-use kirimorph::solver::Options;
+use kirimorph::solver::{Journal, Options, Run, Step};
 
 struct Solved {
     cover: Cover,
@@ -31,7 +32,8 @@ fn solve(mesh: &TriMesh, counts: [usize; 2], stretches: [f64; 2], gap: f64) -> S
     let cover = cover(&outline, &first, PieceSize::Counts(counts), stretches, gap, None).unwrap();
     let target = Target::new(mesh.clone(), &cycle);
     let control = stage1(&cover, mesh, &flat.points);
-    let quiet = &mut |_, _| ();
+    let quiet =
+        &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
     let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Options::default() };
     let weights = stage2::Weights::default();
     let (control, _) = stage2::stage2(&cover, &control, &target, gap, &weights, &options, quiet);

@@ -1,5 +1,6 @@
 //! The preview of real sheets: what it says, that it is sound SVG, and that it stays small.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use kirimorph::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
@@ -12,7 +13,7 @@ use kirimorph::kirigami::hinges;
 use kirimorph::kirigami::stage2::stage2;
 use kirimorph::kirigami::stage3::{initial_pattern, stage3};
 use kirimorph::output::preview::{self, Preview, WritePreviewError};
-use kirimorph::solver::levenberg_marquardt::Options;
+use kirimorph::solver::{Journal, Options, Run, Step};
 use svg::node::Attributes;
 use svg::node::element::tag::Type;
 use svg::parser::Event;
@@ -48,11 +49,12 @@ fn sheet(mesh: &TriMesh) -> Fabrication {
     let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();
     let target = Target::new(mesh.clone(), &cycle);
     let start = stage1(&cover, mesh, &flat.points);
-    let mut quiet = |_: usize, _: f64| ();
+    let quiet =
+        &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
     let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Options::default() };
-    let (control, _) = stage2(&cover, &start, &target, gap, &Default::default(), &options, &mut quiet);
+    let (control, _) = stage2(&cover, &start, &target, gap, &Default::default(), &options, quiet);
     let pattern = initial_pattern(&cover, &control, gap);
-    let (pattern, _) = stage3(&cover, pattern, &target, gap, &Default::default(), &mut quiet);
+    let (pattern, _) = stage3(&cover, pattern, &target, gap, &Default::default(), quiet);
     let design = hinges::design(&cover.mesh, &pattern, gap);
     let lengths = ligament_lengths(&design, &profile).unwrap();
     fabricate(&design, &profile, &lengths).unwrap()

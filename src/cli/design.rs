@@ -1,16 +1,19 @@
 //! `kirimorph design`: the pattern alone, or what is to be expected of it.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::progress::ProgressLine;
-use super::{Failure, print};
+use super::progress::{Reporter, Reporting};
+use super::{Failure, Optimisation, events, interrupt, partial, print};
 use crate::job::{Job, Shape, read_job};
 use crate::kirigami::feasibility::{Feasibility, Verdict};
+use crate::memory;
 use crate::output::design_json::{self, DesignFile, Provenance, WriteDesignError};
+use crate::output::partial_json;
 use crate::output::stretch_map::{self, StretchMap};
 use crate::output::whole_file::write_whole;
-use crate::pipeline::{Clock, PipelineError, Prediction, fingerprints, placed_design, predict};
+use crate::pipeline::{Clock, PipelineError, Prediction, Progress, fingerprints, placed_design, predict};
 
 /// What the user asks for.
 pub struct Options {
@@ -22,8 +25,10 @@ pub struct Options {
     pub feasibility_only: bool,
     /// Where the map goes: SVG, or HTML by its ending.
     pub map: Option<PathBuf>,
-    /// Whether to print errors only.
-    pub quiet: bool,
+    /// How the optimisation is run.
+    pub optimisation: Optimisation,
+    /// What is told on the way.
+    pub reporting: Reporting,
 }
 
 /// Predicts, where asked for, and designs.
@@ -38,9 +43,22 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         }
         _ => false,
     };
-    let mut line = ProgressLine::new(options.quiet);
-    let mut show = |progress| line.show(progress);
-    let mut clock = Clock::new(&mut show);
+    let file = options.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}.design.json")));
+    // What an interrupted run leaves goes beside the design.
+    let folder = file.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder });
+    let folder = folder.unwrap_or(Path::new(".")).to_owned();
+    let partial_hashes = partial::hashes(&job, &options.job);
+    interrupt::listen();
+    let mut reporter = Reporter::new(&options.reporting);
+    let mut watch = |progress: &Progress| {
+        reporter.show(progress);
+        interrupt::flow()
+    };
+    let mut clock = Clock::new(&mut watch);
+    if options.optimisation.resume {
+        clock.journal = partial::journal(&folder, &partial_hashes)?;
+    }
+    clock.memory = if options.optimisation.ignore_memory { None } else { memory::free() };
     let prediction = if options.feasibility_only || options.map.is_some() {
         Some(predict(&job, &mut clock).map_err(failure)?)
     } else {
@@ -51,11 +69,11 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     }
     if let (Some(prediction), true) = (&prediction, options.feasibility_only) {
         drop(clock);
-        drop(line);
-        return report(prediction, &name, options.quiet);
+        drop(reporter);
+        return report(prediction, &name, &options.reporting);
     }
-    let designed = placed_design(&job, &mut clock).map_err(failure)?;
-    let file = options.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}.design.json")));
+    let designed =
+        placed_design(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &partial_hashes))?;
     let hashes = fingerprints(&[("job", &options.job), ("target", target(&job))]);
     let design = DesignFile {
         design: &designed.design,
@@ -66,9 +84,19 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     };
     write_whole::<WriteDesignError>(&file, |out| design_json::write(&design, out))
         .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+    if options.optimisation.resume {
+        // It has served; that it stays is no reason to fail.
+        let _ = std::fs::remove_file(folder.join(partial_json::FILE_NAME));
+    }
     drop(clock);
-    drop(line);
-    if !options.quiet {
+    drop(reporter);
+    if options.reporting.json {
+        let figures: BTreeMap<&str, f64> = design_json::figures(&designed.quality).into();
+        events::tell(&serde_json::json!({
+            "event": "result", "status": 0, "files": [&file], "pieces": designed.design.pieces.len(),
+            "hinges": designed.design.hinges.len(), "figures": figures,
+        }));
+    } else if !options.reporting.quiet {
         let (pieces, hinges) = (designed.design.pieces.len(), designed.design.hinges.len());
         let quality = &designed.quality;
         print(&format!(
@@ -111,9 +139,19 @@ fn write_map(prediction: &Prediction, name: &str, path: &Path, html: bool) -> Re
 }
 
 /// Prints the numbers; a target out of reach is refused.
-fn report(prediction: &Prediction, name: &str, quiet: bool) -> Result<(), Failure> {
+fn report(prediction: &Prediction, name: &str, reporting: &Reporting) -> Result<(), Failure> {
     let found = &prediction.feasibility;
-    if !quiet {
+    if reporting.json {
+        let figures: BTreeMap<String, String> = figures(prediction).into_iter().collect();
+        events::tell(&serde_json::json!({
+            "event": "result",
+            "status": if found.verdict == Verdict::Beyond { 2 } else { 0 },
+            "verdict": found.verdict.word(),
+            "worst_ratio": found.worst_ratio,
+            "conformal_ratio": found.conformal_ratio,
+            "figures": figures,
+        }));
+    } else if !reporting.quiet {
         let mut text = format!("{name}: {}, {}\n", found.verdict.word(), meaning(found.verdict));
         for (label, value) in figures(prediction) {
             text += &format!("  {label:<24}  {value}\n");

@@ -6,30 +6,42 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
-use super::progress::ProgressLine;
-use super::{Failure, print};
+use super::progress::{Reporter, Reporting};
+use super::{Failure, Optimisation, events, interrupt, partial, print};
 use crate::job::{Job, Shape, read_job};
+use crate::memory;
 use crate::output::design_json::{self, DesignFile, Provenance};
-use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::folder::{FILE_NAMES, FolderError, OutputFolder};
 use crate::output::preview::{self, Preview};
-use crate::output::{dxf, hinge_report, svg};
-use crate::pipeline::{Clock, Made, PipelineError, Timings, fingerprints, make};
+use crate::output::{dxf, hinge_report, partial_json, svg};
+use crate::pipeline::{Clock, Made, Progress, Timings, fingerprints, make};
 
 /// Runs the job and writes its results, all or none.
 pub fn run(
     job_file: &Path,
     output: Option<PathBuf>,
     allow_failing: bool,
-    quiet: bool,
+    optimisation: &Optimisation,
+    reporting: &Reporting,
 ) -> Result<(), Failure> {
     let job = read_job(job_file).map_err(Failure::bad_input)?;
     let name = job_file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = output.unwrap_or_else(|| Path::new("out").join(&name));
     OutputFolder::check(&folder).map_err(Failure::bad_input)?;
-    let mut line = ProgressLine::new(quiet);
-    let mut show = |progress| line.show(progress);
-    let mut clock = Clock::new(&mut show);
-    let made = make(&job, &mut clock).map_err(failure)?;
+    let hashes = partial::hashes(&job, job_file);
+    let unused_partial = !optimisation.resume && folder.join(partial_json::FILE_NAME).exists();
+    interrupt::listen();
+    let mut reporter = Reporter::new(reporting);
+    let mut watch = |progress: &Progress| {
+        reporter.show(progress);
+        interrupt::flow()
+    };
+    let mut clock = Clock::new(&mut watch);
+    if optimisation.resume {
+        clock.journal = partial::journal(&folder, &hashes)?;
+    }
+    clock.memory = if optimisation.ignore_memory { None } else { memory::free() };
+    let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
     refuse_failing(&made.fabrication.hinges, allow_failing)?;
     let input = Input { job: &job, job_file, name: &name };
     clock
@@ -43,16 +55,30 @@ pub fn run(
             Ok(out.finish()?)
         })
         .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
-    drop(clock);
-    drop(line);
-    if !quiet {
-        print(&summary(&name, &made, &folder));
+    drop(reporter);
+    if reporting.json {
+        events::tell(&result_event(&made, &folder));
+    } else if !reporting.quiet {
+        print(&summary(&name, &made, &folder, unused_partial));
     }
     Ok(())
 }
 
-fn failure(error: PipelineError) -> Failure {
-    if error.is_bad_input() { Failure::bad_input(error) } else { Failure::NotMakeable(error.to_string()) }
+/// The last event: figures under their names in design.json, and the files.
+fn result_event(made: &Made, folder: &Path) -> serde_json::Value {
+    let hinges = hinge_report::summary(&made.fabrication.hinges);
+    let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
+    serde_json::json!({
+        "event": "result",
+        "status": 0,
+        "folder": folder,
+        "files": FILE_NAMES,
+        "pieces": made.fabrication.design.pieces.len(),
+        "hinges": made.fabrication.hinges.len(),
+        "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
+        "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
+        "figures": figures,
+    })
 }
 
 /// What the results were made from.
@@ -178,7 +204,7 @@ fn figures(made: &Made) -> Vec<(String, String)> {
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn summary(name: &str, made: &Made, folder: &Path) -> String {
+fn summary(name: &str, made: &Made, folder: &Path, unused_partial: bool) -> String {
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let warnings = hinge_report::summary(&made.fabrication.hinges).map_or(0, |summary| summary.warn);
@@ -189,6 +215,9 @@ fn summary(name: &str, made: &Made, folder: &Path) -> String {
     }
     if let Some(summary) = hinge_report::summary(&made.fabrication.hinges) {
         text += &format!("  {summary}\n");
+    }
+    if unused_partial {
+        text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";
     }
     text += &format!("Files in {}:\n", folder.display());
     text + "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n\

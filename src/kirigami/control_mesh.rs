@@ -9,7 +9,7 @@ use super::cover::Cover;
 use crate::geometry::boundary::BoundaryCurve;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::TriMesh;
-use crate::geometry::{Point2, Point3};
+use crate::geometry::{Point2, Point3, Vector3};
 
 /// Positions of the control vertices in both states.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,8 +41,8 @@ impl Target {
 
 /// Lays the pair of regular grids of a cover into the plane and into the target.
 ///
-/// `flat` holds the flattened position of each vertex of the target's mesh.
-pub fn stage1(cover: &Cover, target: &TriMesh, flat: &[Point2]) -> ControlMesh {
+/// `lift` takes the flattening back to the target.
+pub fn stage1(cover: &Cover, lift: &LinearMap) -> ControlMesh {
     let [a, b] = cover.cell.closed;
     let corner = |&[i, j]: &[i32; 2]| Point2::new(a * f64::from(i), b * f64::from(j));
     let closed_corners: Vec<Point2> = cover.positions.iter().map(corner).collect();
@@ -55,7 +55,6 @@ pub fn stage1(cover: &Cover, target: &TriMesh, flat: &[Point2]) -> ControlMesh {
             Point2::from(sum / piece.len() as f64)
         })
         .collect();
-    let lift = Lift::new(target, flat);
     ControlMesh {
         closed_corners,
         closed_centres,
@@ -64,27 +63,36 @@ pub fn stage1(cover: &Cover, target: &TriMesh, flat: &[Point2]) -> ControlMesh {
     }
 }
 
-/// The map from the flattening's plane back to the target; beyond the boundary the nearest triangle's map
-/// goes on.
-struct Lift<'a> {
+/// A piecewise linear map from a triangulated part of the plane to space; beyond its boundary the nearest
+/// triangle's map goes on.
+pub struct LinearMap {
     flat: ClosestPoints,
-    target: &'a TriMesh,
+    image: TriMesh,
 }
 
-impl<'a> Lift<'a> {
-    fn new(target: &'a TriMesh, flat: &[Point2]) -> Self {
+impl LinearMap {
+    /// The map that takes vertex i of the flat triangulation to vertex i of `image`.
+    pub fn new(image: TriMesh, flat: &[Point2]) -> Self {
         let vertices = flat.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
-        Self { flat: ClosestPoints::new(TriMesh { vertices, faces: target.faces.clone() }), target }
+        Self { flat: ClosestPoints::new(TriMesh { vertices, faces: image.faces.clone() }), image }
     }
 
-    fn apply(&self, p: &Point2) -> Point3 {
+    /// The image of the nearest point of the triangulation.
+    pub fn apply_nearest(&self, p: &Point2) -> Point3 {
+        let found = self.flat.closest(&Point3::new(p.x, p.y, 0.0));
+        let corners = self.image.faces[found.triangle].map(|v| self.image.vertices[v].coords);
+        Point3::from((0..3).map(|i| corners[i] * found.barycentric[i]).sum::<Vector3>())
+    }
+
+    /// The image of a point.
+    pub fn apply(&self, p: &Point2) -> Point3 {
         let face = self.flat.closest(&Point3::new(p.x, p.y, 0.0)).triangle;
-        let face = self.target.faces[face];
+        let face = self.image.faces[face];
         let [a, b, c] = face.map(|v| self.flat.mesh().vertices[v].xy());
         let (ab, ac, ap) = (b - a, c - a, p - a);
         let area = ab.perp(&ac);
         let (v, w) = (ap.perp(&ac) / area, ab.perp(&ap) / area);
-        let [a, b, c] = face.map(|v| self.target.vertices[v].coords);
+        let [a, b, c] = face.map(|v| self.image.vertices[v].coords);
         Point3::from(a * (1.0 - v - w) + b * v + c * w)
     }
 }

@@ -33,6 +33,16 @@ pub enum Boundary {
     Trimmed,
 }
 
+impl PieceSize {
+    /// Pieces twice as large.
+    pub fn coarser(self) -> Self {
+        match self {
+            Self::Counts(counts) => Self::Counts(counts.map(|n| n.div_ceil(2))),
+            Self::Edge(edge) => Self::Edge(2.0 * edge),
+        }
+    }
+}
+
 /// Dimensions of the model cell (section 2.1), with the gap between hinge points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelCell {

@@ -1,8 +1,8 @@
 //! Kinematics: the rigid motion of every piece, and the axis and angle of every hinge (section 4.1, Fig. 19).
 
 use super::design::{Design, Hinge, PatternKind, Piece, State};
+use super::pattern::Pattern;
 use super::piece_mesh::PieceMesh;
-use super::stage3::Pattern;
 use crate::geometry::rotation::{RigidMotion, axis_angle};
 use crate::geometry::{Point3, Vector3};
 

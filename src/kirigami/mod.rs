@@ -6,6 +6,12 @@
 //!   ──hinges──> Design ──quality, validity──> measured, or refused
 //! ```
 
+pub mod levels;
+
+pub mod pattern;
+
+pub mod pattern_terms;
+
 pub mod piece_mesh;
 
 pub mod cover;

@@ -158,6 +158,18 @@ impl PieceMesh {
         self.owned[piece].iter().position(|&owned| owned == edge).expect("the piece owns the edge")
     }
 
+    /// The pieces around each corner, counter-clockwise.
+    pub fn pieces_around(&self) -> Vec<Vec<usize>> {
+        // The piece between two consecutive edges of the fan lies on the left of the first one as it leaves the
+        // corner.
+        let left_of = |corner: usize, edge: usize| {
+            let edge = &self.edges[edge];
+            if edge.corners[0] == corner { Some(edge.piece) } else { edge.neighbour }
+        };
+        let fans = self.fans.iter().enumerate();
+        fans.map(|(corner, fan)| fan.edges.iter().filter_map(|&e| left_of(corner, e)).collect()).collect()
+    }
+
     /// Triples of consecutive edges along the grid's lines, each with the two corners between them.
     pub fn edge_triples(&self) -> Vec<([usize; 3], [usize; 2])> {
         let mut triples = Vec::new();

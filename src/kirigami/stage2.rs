@@ -8,7 +8,7 @@ use super::cover::{Boundary, Cover};
 use super::piece_mesh::PieceMesh;
 use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
 use crate::geometry::{Point2, Point3};
-use crate::solver::{Options, Report, Weighted, minimize};
+use crate::solver::{Coupling, Options, Report, Run, System, Term, Weighted};
 
 /// Weights of the terms, for meshes whose mean edge is 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,8 +61,9 @@ impl Unknowns {
 
 /// Optimises a pair of control meshes.
 ///
-/// `gap` is the distance between the two hinge points of a corner, millimetres; `progress` receives the
-/// iteration and the energy.
+/// `gap` is the distance between the two hinge points of a corner, millimetres; `name` is that of the minimisation
+/// in the journal.
+#[expect(clippy::too_many_arguments)] // Each is one plain thing, and there is one caller.
 pub fn stage2(
     cover: &Cover,
     start: &ControlMesh,
@@ -70,13 +71,43 @@ pub fn stage2(
     gap: f64,
     weights: &Weights,
     options: &Options,
-    progress: &mut dyn FnMut(usize, f64),
+    name: &str,
+    run: &mut Run,
 ) -> (ControlMesh, Report) {
     let scale = cover.cell.edge();
     let mesh = &cover.mesh;
     let at = Unknowns { corners: mesh.corner_count, pieces: mesh.pieces.len() };
     let mut x = pack(start, scale);
-    let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, &at);
+    let terms = || terms(cover, start, target, &at, gap / scale, weights);
+    let mut system = System::new(places(cover));
+    let report = run.journal.minimize(name, &mut system, terms, &mut x, options, run.watch);
+    (unpack(&x, &at, scale), report)
+}
+
+/// A place of each unknown on the grid.
+fn places(cover: &Cover) -> Vec<[f64; 2]> {
+    let corners: Vec<[f64; 2]> = cover.positions.iter().map(|p| p.map(f64::from)).collect();
+    let centre = |piece: &Vec<usize>| {
+        let sum = piece.iter().fold([0.0; 2], |sum, &c| [sum[0] + corners[c][0], sum[1] + corners[c][1]]);
+        sum.map(|s| s / piece.len() as f64)
+    };
+    let points: Vec<[f64; 2]> = corners.iter().copied().chain(cover.mesh.pieces.iter().map(centre)).collect();
+    let plane = points.iter().flat_map(|p| [*p; 2]);
+    plane.chain(points.iter().flat_map(|p| [*p; 3])).collect()
+}
+
+/// All terms; `gap` in mean edges.
+fn terms<'a>(
+    cover: &Cover,
+    start: &ControlMesh,
+    target: &'a Target,
+    at: &Unknowns,
+    gap: f64,
+    weights: &Weights,
+) -> Vec<Weighted<'a>> {
+    let scale = cover.cell.edge();
+    let mesh = &cover.mesh;
+    let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, at);
     let border = (0..mesh.corner_count)
         .filter(|&c| !mesh.fans[c].closed)
         .map(|c| (at.open_corner(c), start.open_corners[c]));
@@ -87,20 +118,17 @@ pub fn stage2(
         .chain((0..mesh.pieces.len()).map(|i| at.open_centre(i)))
         .map(|point| (point, Hold::Surface));
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
-    let mut terms = vec![
-        Weighted { term: Box::new(OrthogonalDiagonals::new(both)), weight: weights.orth },
-        Weighted {
-            term: Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap / scale)),
-            weight: weights.geom,
-        },
-        Weighted { term: Box::new(Held::new("prox", open, target, scale)), weight: weights.prox },
-        Weighted { term: Box::new(Held::new("boundary", boundary, target, scale)), weight: weights.boundary },
-        Weighted { term: Box::new(Held::new("corners", corners, target, scale)), weight: weights.corners },
-        Weighted { term: Box::new(fairness(mesh, &at, 2)), weight: weights.fair },
-        Weighted { term: Box::new(fairness(mesh, &at, 3)), weight: weights.fair },
+    let terms: [(Box<dyn Term>, f64); 7] = [
+        (Box::new(OrthogonalDiagonals::new(both)), weights.orth),
+        (Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap)), weights.geom),
+        (Box::new(Held::new("prox", open, target, scale)), weights.prox),
+        (Box::new(Held::new("boundary", boundary, target, scale)), weights.boundary),
+        (Box::new(Held::new("corners", corners, target, scale)), weights.corners),
+        (Box::new(fairness(mesh, at, 2)), weights.fair),
+        (Box::new(fairness(mesh, at, 3)), weights.fair),
     ];
-    let report = minimize(&mut terms, &mut x, options, progress);
-    (unpack(&x, &at, scale), report)
+    let asked = terms.into_iter().filter(|(_, weight)| *weight > 0.0);
+    asked.map(|(term, weight)| Weighted { term, weight, coupling: Coupling::Full }).collect()
 }
 
 /// What border points are held to. `border` gives of each point its unknowns and where it starts.
@@ -171,20 +199,8 @@ fn fairness(mesh: &PieceMesh, at: &Unknowns, dimension: usize) -> LinearTerm {
             }
         }
     }
-    let mut around: Vec<Vec<usize>> = vec![Vec::new(); mesh.corner_count];
-    for (c, fan) in mesh.fans.iter().enumerate().filter(|(_, fan)| fan.closed && fan.edges.len() == 4) {
-        // The piece between two consecutive edges of the fan lies on the left of the first one as it leaves
-        // the corner.
-        around[c] = fan
-            .edges
-            .iter()
-            .filter_map(|&e| {
-                let edge = &mesh.edges[e];
-                if edge.corners[0] == c { Some(edge.piece) } else { edge.neighbour }
-            })
-            .collect();
-    }
-    for (c, pieces) in around.iter().enumerate() {
+    let around = mesh.pieces_around();
+    for (c, pieces) in around.iter().enumerate().filter(|&(c, _)| mesh.fans[c].closed) {
         if let [a, b, d, e] = pieces[..] {
             for [p, q] in [[a, d], [b, e]] {
                 blocks.push(vec![(centre(p), 1.0), (corner(c), -2.0), (centre(q), 1.0)]);

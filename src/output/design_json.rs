@@ -23,6 +23,7 @@ use crate::solver::Report;
 
 pub use invariants::{InvalidDesign, MAX_COORDINATE, SAME_POINT, UNIT_LENGTH, check};
 pub use read::{InvalidDesignFile, MAX_FILE_BYTES, ReadDesignError, parse, read};
+pub use report::figures;
 
 /// The version of the format that is written and read.
 pub const VERSION: u64 = 1;

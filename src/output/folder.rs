@@ -12,6 +12,9 @@ use std::path::{Path, PathBuf};
 pub const FILE_NAMES: [&str; 7] =
     ["design.json", "cut.dxf", "cut.svg", "hinges.csv", "hinges.json", "preview.svg", "timings.json"];
 
+/// What an interrupted run leaves behind. It may stand in a folder that is replaced.
+const PARTIAL: &str = super::partial_json::FILE_NAME;
+
 /// Why the output cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
@@ -61,7 +64,7 @@ impl OutputFolder {
         }
         for entry in fs::read_dir(wanted).map_err(io)? {
             let found = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
-            if !FILE_NAMES.contains(&found.as_str()) {
+            if !FILE_NAMES.contains(&found.as_str()) && found != PARTIAL {
                 return Err(FolderError::Occupied { path: wanted.to_owned(), found });
             }
         }
@@ -99,6 +102,16 @@ impl OutputFolder {
         out.flush()?;
         out.get_ref().sync_all()?;
         Ok(())
+    }
+
+    /// Puts one file of the new folder into the wanted one, beside what that holds.
+    ///
+    /// # Errors
+    /// The file system's refusal.
+    pub fn put_beside(self, name: &str) -> Result<(), FolderError> {
+        let io = |source| FolderError::Io { path: self.wanted.clone(), source };
+        fs::create_dir_all(&self.wanted).map_err(io)?;
+        fs::rename(self.partial.join(name), self.wanted.join(name)).map_err(io)
     }
 
     /// Puts the new folder in the wanted one's place.
@@ -171,6 +184,27 @@ mod tests {
         );
         assert_eq!(fs::read_to_string(wanted.join("design.json")).unwrap(), "two");
         assert_eq!(fs::read_dir(base.join("deep")).unwrap().count(), 1, "a partial folder was left");
+        fs::remove_dir_all(base).unwrap();
+    }
+
+    #[test]
+    fn adds_one_file_and_takes_it_away_with_the_rest() {
+        let base = fresh("add");
+        let wanted = base.join("out");
+        let add = |text: &str| {
+            let folder = OutputFolder::create(&wanted).unwrap();
+            folder.write::<io::Error>(PARTIAL, |out| out.write_all(text.as_bytes())).unwrap();
+            folder.put_beside(PARTIAL).unwrap();
+        };
+        add("one");
+        assert_eq!(fs::read_dir(&wanted).unwrap().count(), 1);
+        fill(&wanted, "whole").unwrap();
+        assert!(!wanted.join(PARTIAL).exists());
+        add("two");
+        add("three");
+        assert_eq!(fs::read_to_string(wanted.join(PARTIAL)).unwrap(), "three");
+        assert_eq!(fs::read_to_string(wanted.join("design.json")).unwrap(), "whole");
+        assert_eq!(fs::read_dir(&base).unwrap().count(), 1, "a partial folder was left");
         fs::remove_dir_all(base).unwrap();
     }
 

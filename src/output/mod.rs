@@ -12,6 +12,8 @@ mod json_rows;
 
 pub mod design_json;
 
+pub mod partial_json;
+
 pub mod hinge_report;
 
 pub mod preview;

@@ -3,12 +3,18 @@
 //! Damping follows H. B. Nielsen, *Damping parameter in Marquardt's method* (1999): the damping `mu` is added
 //! to the diagonal, and changes with the ratio of actual to predicted decrease. The number of attempts per
 //! iteration is bounded, and an energy that is not finite never counts as progress.
+//!
+//! A [`Report`] and the point it belongs to are the whole state of a minimisation: [`go_on`] continues an
+//! interrupted one with the very same steps.
+
+use std::ops::ControlFlow;
 
 use super::Weighted;
+use super::multifrontal::Factor;
 use super::normal_equations::NormalEquations;
 
 /// When to stop and how to damp.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Most accepted steps.
     pub iterations: usize,
@@ -20,6 +26,17 @@ pub struct Options {
     pub energy_tolerance: f64,
     /// Stop when the energy is at most this.
     pub energy_floor: f64,
+    /// Precision of the factorisation.
+    pub precision: Precision,
+}
+
+/// Precision of the factorisation. Residuals, matrix and gradient are always in double precision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// Half the memory and nearly half the time; steps are right to some four digits.
+    Single,
+    /// Steps to rounding accuracy.
+    Double,
 }
 
 impl Default for Options {
@@ -30,6 +47,7 @@ impl Default for Options {
             least_damping: 1e-11,
             energy_tolerance: 1e-4,
             energy_floor: 0.0,
+            precision: Precision::Double,
         }
     }
 }
@@ -45,11 +63,23 @@ pub enum Termination {
     EnergyFloor,
     /// No damping gave a lower energy: a minimum to rounding accuracy.
     NoDecrease,
-    /// The energy at the start is not finite.
+    /// The energy is not finite at the start, or where terms are refreshed; the point is the last good one.
     NotFinite,
+    /// The watch asked to stop. The point is the best one so far.
+    Interrupted,
 }
 
 impl Termination {
+    /// All reasons.
+    pub const ALL: [Self; 6] = [
+        Self::IterationLimit,
+        Self::Stagnation,
+        Self::EnergyFloor,
+        Self::NoDecrease,
+        Self::NotFinite,
+        Self::Interrupted,
+    ];
+
     /// The reason in words.
     pub fn reason(self) -> &'static str {
         match self {
@@ -58,12 +88,13 @@ impl Termination {
             Self::EnergyFloor => "energy floor reached",
             Self::NoDecrease => "no further decrease",
             Self::NotFinite => "energy not finite",
+            Self::Interrupted => "interrupted",
         }
     }
 }
 
 /// One line of the iteration table.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Iteration {
     /// Sum of squared residuals of each term, times the term's weight.
     pub energies: Vec<f64>,
@@ -79,12 +110,14 @@ impl Iteration {
 }
 
 /// What the method did.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Names of the terms, in order.
-    pub terms: Vec<&'static str>,
+    pub terms: Vec<String>,
     /// Energies at the start and after each accepted step.
     pub iterations: Vec<Iteration>,
+    /// Damping that the next step would begin with.
+    pub next_damping: f64,
     /// Why it stopped.
     pub termination: Termination,
 }
@@ -92,92 +125,221 @@ pub struct Report {
 /// Most attempts to find a decrease by raising the damping; 2^(1+2+..) grows past any scale by then.
 const ATTEMPTS: usize = 12;
 
-/// Minimises the weighted sum of squares, starting at and updating `x`.
-///
-/// `progress` is called with the iteration's number and total energy.
-pub fn minimize(
-    terms: &mut [Weighted],
-    x: &mut [f64],
-    options: &Options,
-    progress: &mut dyn FnMut(usize, f64),
-) -> Report {
-    let names = terms.iter().map(|weighted| weighted.term.name()).collect();
-    terms.iter_mut().for_each(|weighted| weighted.term.refresh(x));
-    let mut equations = NormalEquations::new(x.len(), terms);
-    let mut current = weigh(equations.assemble(terms, x), terms);
-    let mut iterations = vec![Iteration { energies: current.clone(), damping: 0.0 }];
-    if !total(&current).is_finite() {
-        return Report { terms: names, iterations, termination: Termination::NotFinite };
-    }
-    let mut mu = options.damping;
-    let mut termination = Termination::IterationLimit;
-    while iterations.len() <= options.iterations {
-        if total(&current) <= options.energy_floor {
-            termination = Termination::EnergyFloor;
-            break;
-        }
-        let Some(step) = find_step(&mut equations, terms, x, total(&current), mu, options) else {
-            termination = Termination::NoDecrease;
-            break;
-        };
-        x.copy_from_slice(&step.x);
-        mu = step.next_damping;
-        terms.iter_mut().for_each(|weighted| weighted.term.refresh(x));
-        let before = total(&current);
-        current = weigh(equations.assemble(terms, x), terms);
-        progress(iterations.len(), total(&current));
-        iterations.push(Iteration { energies: current.clone(), damping: step.damping });
-        if before - total(&current) < options.energy_tolerance * before {
-            termination = Termination::Stagnation;
-            break;
-        }
-    }
-    Report { terms: names, iterations, termination }
+/// Where a minimisation stands: what its watch is told at the start and after each accepted step.
+#[derive(Debug, Clone, Copy)]
+pub struct Step<'a> {
+    /// Which of several minimisations in a row it is, from 0; set by those who run them.
+    pub phase: usize,
+    /// Accepted steps so far.
+    pub iteration: usize,
+    /// Most accepted steps.
+    pub limit: usize,
+    /// Most steps of the minimisations that follow; set by those who run them.
+    pub later: usize,
+    /// Names of the terms.
+    pub terms: &'a [String],
+    /// Energy of each term, with its weight.
+    pub energies: &'a [f64],
 }
 
-struct Step {
-    x: Vec<f64>,
+/// Follows a minimisation, and may break it off between two steps.
+pub type Watch<'a> = dyn FnMut(&Step) -> ControlFlow<()> + 'a;
+
+/// A family of problems of the same structure: pattern, symbolic factorisation and working memory.
+///
+/// The structure is that of the terms that come first: which unknowns their blocks couple. Weights and constants of
+/// those that follow may differ.
+pub struct System {
+    places: Vec<[f64; 2]>,
+    equations: Option<NormalEquations>,
+    single: Factor<f32>,
+    double: Factor<f64>,
+    step: Vec<f64>,
+    candidate: Vec<f64>,
+}
+
+impl System {
+    /// A system over unknowns at these places: one place in a plane for each, such that coupled unknowns lie near
+    /// each other (see [`super::dissection`]).
+    pub fn new(places: Vec<[f64; 2]>) -> Self {
+        let n = places.len();
+        Self {
+            places,
+            equations: None,
+            single: Factor::default(),
+            double: Factor::default(),
+            step: vec![0.0; n],
+            candidate: vec![0.0; n],
+        }
+    }
+
+    /// Minimises the weighted sum of squares, starting at and updating `x`.
+    pub fn minimize(
+        &mut self,
+        terms: &mut [Weighted],
+        x: &mut [f64],
+        options: &Options,
+        watch: &mut Watch,
+    ) -> Report {
+        let report = Report {
+            terms: active(terms).map(|weighted| weighted.term.name().to_owned()).collect(),
+            iterations: Vec::new(),
+            next_damping: options.damping,
+            termination: Termination::Interrupted,
+        };
+        self.go_on(terms, x, report, options, watch)
+    }
+
+    /// Goes on from where `report` ended at `x`, as if it had not been interrupted. The problem and the options must
+    /// be the same.
+    pub fn go_on(
+        &mut self,
+        terms: &mut [Weighted],
+        x: &mut [f64],
+        mut report: Report,
+        options: &Options,
+        watch: &mut Watch,
+    ) -> Report {
+        let Self { places, equations, single, double, step, candidate } = self;
+        let equations = equations.get_or_insert_with(|| NormalEquations::new(places, terms));
+        let mut search = Search { equations, single, double, step, candidate };
+        refresh(terms, x);
+        let mut current = weigh(search.equations.assemble(terms, x), terms);
+        if report.iterations.is_empty() {
+            report.iterations.push(Iteration { energies: current.clone(), damping: 0.0 });
+        }
+        report.termination = loop {
+            let step = Step {
+                phase: 0,
+                iteration: report.iterations.len() - 1,
+                limit: options.iterations,
+                later: 0,
+                terms: &report.terms,
+                energies: &current,
+            };
+            if watch(&step).is_break() {
+                break Termination::Interrupted;
+            }
+            if let Some(reason) = reason_to_stop(&report.iterations, options) {
+                break reason;
+            }
+            let found = search.find_step(terms, x, total(&current), report.next_damping, options);
+            let Some(found) = found else { break Termination::NoDecrease };
+            x.swap_with_slice(search.candidate);
+            refresh(terms, x);
+            current = weigh(search.equations.assemble(terms, x), terms);
+            if !total(&current).is_finite() {
+                x.copy_from_slice(search.candidate);
+                break Termination::NotFinite;
+            }
+            report.next_damping = found.next_damping;
+            report.iterations.push(Iteration { energies: current.clone(), damping: found.damping });
+        };
+        report
+    }
+}
+
+/// Whether the steps so far are enough. It depends on nothing else, so that a continued minimisation ends where
+/// an uninterrupted one does.
+fn reason_to_stop(iterations: &[Iteration], options: &Options) -> Option<Termination> {
+    let (last, steps) = (iterations.last()?.total(), iterations.len() - 1);
+    let before = (steps > 0).then(|| iterations[steps - 1].total());
+    if !last.is_finite() {
+        Some(Termination::NotFinite)
+    } else if before.is_some_and(|before| before - last < options.energy_tolerance * before) {
+        Some(Termination::Stagnation)
+    } else if steps >= options.iterations {
+        Some(Termination::IterationLimit)
+    } else if last <= options.energy_floor {
+        Some(Termination::EnergyFloor)
+    } else {
+        None
+    }
+}
+
+struct Found {
     damping: f64,
     next_damping: f64,
 }
 
-/// Raises the damping until a step lowers the energy.
-fn find_step(
-    equations: &mut NormalEquations,
-    terms: &[Weighted],
-    x: &[f64],
-    energy: f64,
-    mut mu: f64,
-    options: &Options,
-) -> Option<Step> {
-    let n = x.len();
-    let scale = (0..n).map(|i| equations.values[equations.pattern.diagonal(i)]).fold(0.0, f64::max);
-    let mut raise = 2.0;
-    for _ in 0..ATTEMPTS {
-        let damping = mu.max(options.least_damping);
-        let mut damped = equations.values.clone();
-        (0..n).for_each(|i| damped[equations.pattern.diagonal(i)] += damping * scale);
-        if let Some(factor) = equations.pattern.factor(&damped) {
-            let mut step: Vec<f64> = equations.gradient.iter().map(|g| -g).collect();
-            factor.solve_in_place(&mut step);
-            let predicted: f64 =
-                step.iter().zip(&equations.gradient).map(|(s, g)| s * (damping * scale * s - g)).sum();
-            let candidate: Vec<f64> = x.iter().zip(&step).map(|(a, b)| a + b).collect();
-            let reached = total(&weigh(equations.sums_of_squares(terms, &candidate), terms));
-            let gain = (energy - reached) / predicted;
-            if reached.is_finite() && reached < energy && gain > 1e-3 {
-                let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 10.0);
-                return Some(Step { x: candidate, damping, next_damping: damping * factor });
+/// The parts of a system that look for a step.
+struct Search<'a> {
+    equations: &'a mut NormalEquations,
+    single: &'a mut Factor<f32>,
+    double: &'a mut Factor<f64>,
+    step: &'a mut [f64],
+    candidate: &'a mut [f64],
+}
+
+impl Search<'_> {
+    /// Raises the damping until a step, left in `candidate`, lowers the energy.
+    fn find_step(
+        &mut self,
+        terms: &[Weighted],
+        x: &[f64],
+        energy: f64,
+        mut mu: f64,
+        options: &Options,
+    ) -> Option<Found> {
+        let diagonal = (0..x.len()).map(|i| self.equations.values[self.equations.pattern.diagonal(i)]);
+        let scale = diagonal.fold(0.0, f64::max);
+        let mut raise = 2.0;
+        for _ in 0..ATTEMPTS {
+            let damping = mu.max(options.least_damping);
+            if self.solve(damping * scale, options.precision) {
+                let gradient = &self.equations.gradient;
+                let slopes = self.step.iter().zip(gradient);
+                let predicted: f64 = slopes.map(|(s, g)| s * (damping * scale * s - g)).sum();
+                let moved = x.iter().zip(&*self.step).map(|(a, b)| a + b);
+                self.candidate.iter_mut().zip(moved).for_each(|(to, value)| *to = value);
+                let reached = total(&weigh(self.equations.sums_of_squares(terms, self.candidate), terms));
+                let gain = (energy - reached) / predicted;
+                if reached.is_finite() && reached < energy && gain > 1e-3 {
+                    let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 10.0);
+                    return Some(Found { damping, next_damping: damping * factor });
+                }
+            }
+            mu = damping * raise;
+            raise *= 2.0;
+        }
+        None
+    }
+
+    /// Solves for the step with this shift of the diagonal. False where the matrix is not positive definite.
+    fn solve(&mut self, shift: f64, precision: Precision) -> bool {
+        let NormalEquations { pattern, values, gradient, .. } = &*self.equations;
+        self.step.iter_mut().zip(gradient).for_each(|(s, g)| *s = -g);
+        match precision {
+            Precision::Single => {
+                let sound = self.single.factorise(pattern, values, shift);
+                if sound {
+                    self.single.solve(pattern, &mut self.step);
+                }
+                sound
+            }
+            Precision::Double => {
+                let sound = self.double.factorise(pattern, values, shift);
+                if sound {
+                    self.double.solve(pattern, &mut self.step);
+                }
+                sound
             }
         }
-        mu = damping * raise;
-        raise *= 2.0;
     }
-    None
+}
+
+fn refresh(terms: &mut [Weighted], x: &[f64]) {
+    terms.iter_mut().filter(|weighted| weighted.weight > 0.0).for_each(|weighted| weighted.term.refresh(x));
+}
+
+/// The terms that have a weight.
+pub(super) fn active<'a, 'b>(terms: &'b [Weighted<'a>]) -> impl Iterator<Item = &'b Weighted<'a>> {
+    terms.iter().filter(|weighted| weighted.weight > 0.0)
 }
 
 fn weigh(sums: Vec<f64>, terms: &[Weighted]) -> Vec<f64> {
-    sums.iter().zip(terms).map(|(sum, weighted)| sum * weighted.weight).collect()
+    let weighted = sums.iter().zip(terms).filter(|(_, weighted)| weighted.weight > 0.0);
+    weighted.map(|(sum, weighted)| sum * weighted.weight).collect()
 }
 
 fn total(energies: &[f64]) -> f64 {
@@ -185,53 +347,4 @@ fn total(energies: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::Term;
-    use super::*;
-
-    /// Rosenbrock's valley as residuals (Moré, Garbow, Hillstrom 1981, problem 1), one block per pair.
-    struct Rosenbrock(Vec<[usize; 2]>);
-
-    impl Term for Rosenbrock {
-        fn name(&self) -> &'static str {
-            "rosenbrock"
-        }
-        fn blocks(&self) -> usize {
-            self.0.len()
-        }
-        fn rows(&self, _: usize) -> usize {
-            2
-        }
-        fn unknowns(&self, b: usize) -> &[usize] {
-            &self.0[b]
-        }
-        fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
-            let [i, j] = self.0[b];
-            residuals.copy_from_slice(&[10.0 * (x[j] - x[i] * x[i]), 1.0 - x[i]]);
-            jacobian.copy_from_slice(&[-20.0 * x[i], 10.0, -1.0, 0.0]);
-        }
-    }
-
-    #[test]
-    fn finds_rosenbrocks_minimum() {
-        let term = Rosenbrock((0..20).map(|i| [2 * i, 2 * i + 1]).collect());
-        let mut x: Vec<f64> = (0..20).flat_map(|_| [-1.2, 1.0]).collect();
-        let options = Options { iterations: 100, energy_floor: 1e-24, ..Options::default() };
-        let mut terms = [Weighted { term: Box::new(term), weight: 1.0 }];
-        let report = minimize(&mut terms, &mut x, &options, &mut |_, _| ());
-        assert_eq!(report.termination, Termination::EnergyFloor);
-        // The start's energy is 24.2 per pair (the published value).
-        assert!((report.iterations[0].total() - 20.0 * 24.2).abs() < 1e-9);
-        assert!(x.iter().all(|value| (value - 1.0).abs() < 1e-10));
-        assert!(report.iterations.windows(2).all(|pair| pair[1].total() < pair[0].total()));
-    }
-
-    #[test]
-    fn not_finite_is_no_progress() {
-        let mut x = vec![f64::NAN, 1.0];
-        let mut terms = [Weighted { term: Box::new(Rosenbrock(vec![[0, 1]])), weight: 1.0 }];
-        let report = minimize(&mut terms, &mut x, &Options::default(), &mut |_, _| ());
-        assert_eq!(report.termination, Termination::NotFinite);
-        assert_eq!(report.iterations.len(), 1);
-    }
-}
+mod tests;

@@ -6,18 +6,29 @@
 
 pub mod cholesky;
 
+pub mod dense;
+
 pub mod derivative_check;
+
+pub mod dissection;
+
+pub mod fronts;
 
 pub mod levenberg_marquardt;
 
+pub mod multifrontal;
+
 pub mod normal_equations;
 
-pub use levenberg_marquardt::{Iteration, Options, Report, Termination, minimize};
+pub mod journal;
+
+pub use journal::{Journal, Run};
+pub use levenberg_marquardt::{Iteration, Options, Precision, Report, Step, System, Termination, Watch};
 
 /// A family of residual blocks of the same meaning.
 ///
 /// Block `b` has [`Term::rows`] residuals that depend on [`Term::unknowns`] only.
-pub trait Term {
+pub trait Term: Sync {
     /// Name for reports.
     fn name(&self) -> &'static str;
     /// Number of blocks.
@@ -38,6 +49,19 @@ pub trait Term {
 pub struct Weighted<'a> {
     /// The term.
     pub term: Box<dyn Term + 'a>,
-    /// Factor of the squares, >= 0.
+    /// Factor of the squares, >= 0. A term of weight 0 is not evaluated.
     pub weight: f64,
+    /// How much of the term's curvature the steps see.
+    pub coupling: Coupling,
+}
+
+/// How much of a term's curvature the steps see. The gradient is always complete.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coupling {
+    /// All of it: `J^T J`.
+    Full,
+    /// An upper bound that couples only unknowns of the same place: the blocks of `J^T J` on the diagonal, times
+    /// the number of places (a + b + .. is squared at most as many times a^2 + b^2 + ..). It adds nothing to the
+    /// sparsity pattern; errors that vary from place to place vanish in a few steps, even ones in many.
+    ByPlace,
 }

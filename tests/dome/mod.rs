@@ -1,5 +1,6 @@
 //! A real design to test with: a shallow dome of 6 x 6 pieces, made by the optimiser's own stages.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use kirimorph::geometry::flatten::{ConformalScale, flatten};
@@ -16,7 +17,7 @@ use kirimorph::kirigami::stage3::{Pattern, initial_pattern, stage3};
 use kirimorph::kirigami::{hinges, stage2, stage3};
 use kirimorph::output::design_json::Stage;
 use kirimorph::profile::{self, Profile};
-use kirimorph::solver::Options;
+use kirimorph::solver::{Journal, Options, Run, Step};
 
 /// A design with its measures and the solver's reports.
 pub struct Made {
@@ -45,7 +46,8 @@ pub fn dome() -> Dome {
     let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();
     let target = Target::new(mesh.clone(), &cycle);
     let control = stage1(&cover, &mesh, &flat.points);
-    let progress = &mut |_, _| ();
+    let progress =
+        &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
     let (control, second) = stage2::stage2(
         &cover,
         &control,

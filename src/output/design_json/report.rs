@@ -14,7 +14,7 @@ use crate::solver::Iteration;
 const NOT_RECORDED: &str = "no iterations recorded";
 
 /// The keys of the figures and their values, in the file's order.
-fn figures(quality: &Quality) -> [(&'static str, f64); 12] {
+pub fn figures(quality: &Quality) -> [(&'static str, f64); 12] {
     [
         ("e_isom", quality.e_isom),
         ("max_length_error", quality.max_length_error),
@@ -44,7 +44,7 @@ pub(super) fn check(file: &DesignFile) -> Result<(), WriteDesignError> {
     for stage in file.stages {
         for (number, row) in rows(stage).enumerate() {
             let place = |what: &str| format!("report, {}, iteration {number}, {what}", stage.name);
-            for (&term, &energy) in row.terms.iter().zip(&row.iteration.energies) {
+            for (term, &energy) in row.terms.iter().zip(&row.iteration.energies) {
                 finite(energy, &|| place(term))?;
             }
             finite(row.iteration.damping, &|| place("damping"))?;
@@ -102,7 +102,7 @@ fn file_name(path: &str) -> String {
 /// One line of a stage's iteration table.
 struct Row<'a> {
     phase: usize,
-    terms: &'a [&'static str],
+    terms: &'a [String],
     iteration: &'a Iteration,
 }
 

@@ -1,0 +1,175 @@
+//! From coarse to fine: the pattern of larger pieces is the start for that of smaller ones.
+//!
+//! A pattern of few pieces finds the shape of the whole sheet cheaply. How far its pieces have moved from the
+//! Stage 1 map is a smooth function on the flattened target; added to the Stage 1 map of the finer grid it gives
+//! a start that is wrong in details only, and these are found in a few steps.
+
+use super::control_mesh::{ControlMesh, LinearMap, Target, stage1};
+use super::cover::Cover;
+use super::pattern::{Pattern, initial_pattern};
+use super::stage2::stage2;
+use super::stage3::{Problem, Regime, stage3};
+use super::{stage2 as second, stage3 as third};
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::{Point3, Vector2, Vector3};
+use crate::solver::{Options, Report, Run, Step, Termination};
+
+/// A grid with the gap between its hinge points.
+pub struct Level {
+    /// The grid.
+    pub cover: Cover,
+    /// Distance between the two hinge points of a corner, millimetres: the same part of a piece at all levels.
+    pub gap: f64,
+}
+
+/// Grids of more pieces than this begin from a coarser one.
+pub const COARSEST: usize = 400;
+
+/// What all levels have in common.
+pub struct Climb<'a> {
+    /// The grids, the coarsest first.
+    pub levels: &'a [Level],
+    /// The inverse of the target's flattening.
+    pub lift: &'a LinearMap,
+    /// What the open state is held to.
+    pub target: &'a Target,
+    /// Weights of Stage 2.
+    pub stage2: &'a second::Weights,
+    /// Weights of Stage 3.
+    pub stage3: &'a third::Weights,
+}
+
+/// How far the optimisation has come.
+pub struct Reached {
+    /// Which of the levels.
+    pub level: usize,
+    /// Its pattern.
+    pub pattern: Pattern,
+    /// Of all phases of all levels.
+    pub reports: Vec<Report>,
+}
+
+/// A pattern whose hard phase ends with more than this, in sums of squared residuals, says nothing about finer ones.
+const SOUND: f64 = 1e-6;
+
+impl Climb<'_> {
+    /// Optimises the control meshes of the coarsest grid.
+    pub fn stage2(&self, run: &mut Run) -> (ControlMesh, Report) {
+        let later = self.levels.iter().enumerate().map(|(i, level)| regime(i, level).most_steps()).sum();
+        let watch = &mut |step: &Step| (run.watch)(&Step { later, ..*step });
+        self.from_model(0, "stage-2", &mut Run { journal: run.journal, watch })
+    }
+
+    fn from_model(&self, level: usize, name: &str, run: &mut Run) -> (ControlMesh, Report) {
+        let Level { cover, gap } = &self.levels[level];
+        let start = stage1(cover, self.lift);
+        let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
+        stage2(cover, &start, self.target, *gap, self.stage2, &options, name, run)
+    }
+
+    /// Optimises the patterns of all grids, one after the other, beginning with the control meshes of the first.
+    pub fn stage3(&self, control: ControlMesh, run: &mut Run) -> Reached {
+        let mut reports = Vec::new();
+        let mut start = Some((control, Regime::from_model()));
+        let mut coarse: Option<(usize, Pattern)> = None;
+        for (number, level) in self.levels.iter().enumerate() {
+            let Level { cover, gap } = level;
+            let (control, regime) = match (start.take(), &coarse) {
+                (None, Some((below, pattern))) if is_sound(&reports) => {
+                    (self.refined(*below, pattern, number), regime(number, level))
+                }
+                (Some(start), _) => start,
+                _ => {
+                    let (control, report) = self.from_model(number, &format!("stage-2/{number}"), run);
+                    reports.push(report);
+                    (control, Regime::from_model())
+                }
+            };
+            let begin = initial_pattern(cover, &control, *gap);
+            // Borders of trimmed grids are held to where the Stage 1 map has them, except where that was improved.
+            let border = match number {
+                0 => begin.clone(),
+                _ => initial_pattern(cover, &stage1(cover, self.lift), *gap),
+            };
+            let later: usize = self.levels[number + 1..]
+                .iter()
+                .map(|level| self::regime(number + 1, level).most_steps())
+                .sum();
+            let watch = &mut |step: &Step| (run.watch)(&Step { later: step.later + later, ..*step });
+            let problem = Problem { cover, target: self.target, gap: *gap, weights: self.stage3 };
+            let mut run = Run { journal: run.journal, watch };
+            let (pattern, more) =
+                stage3(&problem, begin, &border, &regime, &format!("stage-3/{number}"), &mut run);
+            reports.extend(more);
+            coarse = Some((number, pattern));
+            if reports.last().is_some_and(|report| report.termination == Termination::Interrupted) {
+                break;
+            }
+        }
+        let (level, pattern) = coarse.expect("at least one level");
+        Reached { level, pattern, reports }
+    }
+
+    /// The start of a level: the Stage 1 map, displaced as the pattern of a coarser level is.
+    fn refined(&self, below: usize, pattern: &Pattern, level: usize) -> ControlMesh {
+        let Level { cover: coarse, gap } = &self.levels[below];
+        let moved = displacement(coarse, &stage1(coarse, self.lift), pattern, *gap);
+        let fine = &self.levels[level].cover;
+        let mut control = stage1(fine, self.lift);
+        displace(coarse, &moved, fine, &mut control);
+        control
+    }
+}
+
+fn regime(number: usize, level: &Level) -> Regime {
+    if number == 0 { Regime::from_model() } else { Regime::from_coarser(level.cover.mesh.pieces.len()) }
+}
+
+/// Whether the last minimisation ended near zero.
+fn is_sound(reports: &[Report]) -> bool {
+    let end = reports.last().and_then(|report| report.iterations.last());
+    end.is_some_and(|end| end.total() < SOUND)
+}
+
+/// How far the pieces of a pattern have moved from the Stage 1 map.
+struct Displacement {
+    closed: Vec<Vector2>,
+    open: Vec<Vector3>,
+}
+
+/// Measures how far a pattern has moved: per piece the mean over its vertices, in which the turning of the
+/// piece cancels.
+fn displacement(cover: &Cover, control: &ControlMesh, pattern: &Pattern, gap: f64) -> Displacement {
+    let start = initial_pattern(cover, control, gap);
+    let closed = |corners: &Vec<usize>| {
+        corners.iter().map(|&c| pattern.corners[c] - start.corners[c]).sum::<Vector2>() / corners.len() as f64
+    };
+    let open = |owned: &Vec<usize>| {
+        owned.iter().map(|&e| pattern.open[e] - start.open[e]).sum::<Vector3>() / owned.len() as f64
+    };
+    Displacement {
+        closed: cover.mesh.pieces.iter().map(closed).collect(),
+        open: cover.mesh.owned.iter().map(open).collect(),
+    }
+}
+
+/// Adds the displacement of a coarse pattern to the Stage 1 map of a finer one. Between the centres of pieces it is
+/// linear, beyond them constant.
+fn displace(coarse: &Cover, moved: &Displacement, fine: &Cover, control: &mut ControlMesh) {
+    // The triangulation joins the centres of the pieces around each inner corner.
+    let around = coarse.mesh.pieces_around();
+    let closed_fans = around.iter().zip(&coarse.mesh.fans).filter(|(_, fan)| fan.closed);
+    let fan = |around: &Vec<usize>| -> Vec<[usize; 3]> {
+        (1..around.len() - 1).map(|i| [around[0], around[i], around[i + 1]]).collect()
+    };
+    let faces: Vec<[usize; 3]> = closed_fans.flat_map(|(around, _)| fan(around)).collect();
+    let map = |values: Vec<Point3>| {
+        LinearMap::new(TriMesh { vertices: values, faces: faces.clone() }, &coarse.centres)
+    };
+    let closed = map(moved.closed.iter().map(|d| Point3::new(d.x, d.y, 0.0)).collect());
+    let open = map(moved.open.iter().map(|d| Point3::from(*d)).collect());
+    for (i, at) in fine.corners.iter().enumerate() {
+        control.closed_corners[i] += closed.apply_nearest(at).coords.xy();
+        control.open_corners[i] += open.apply_nearest(at).coords;
+    }
+}
