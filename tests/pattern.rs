@@ -1,20 +1,13 @@
 //! The optimised pattern against closed forms and invariances.
 
-use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
-use std::ops::ControlFlow;
-
-use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::mesh::TriMesh;
-use kirimorph::geometry::topology::disk;
-use kirimorph::geometry::{Point3, Vector2, Vector3};
-use kirimorph::kirigami::control_mesh::{Target, stage1};
-use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
+use kirimorph::geometry::{Point3, Vector3};
+use kirimorph::kirigami::cover::Cover;
 use kirimorph::kirigami::design::Design;
-use kirimorph::kirigami::filled::filled_surface;
-use kirimorph::kirigami::quality::{Limits, Quality, measure};
-use kirimorph::kirigami::stage3::{initial_pattern, stage3};
-use kirimorph::kirigami::{hinges, stage2, stage3};
-use kirimorph::solver::{Journal, Options, Run, Step};
+use kirimorph::kirigami::quality::{Limits, Quality};
+use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
+
+mod solve;
 
 struct Solved {
     cover: Cover,
@@ -24,25 +17,9 @@ struct Solved {
 
 /// All three stages on a disk; the grid's first axis follows the flattened image of the mesh's first edge.
 fn solve(mesh: &TriMesh, counts: [usize; 2], stretches: [f64; 2], gap: f64) -> Solved {
-    let cycle = disk(&mesh.faces).unwrap().boundary;
-    let scale = ConformalScale::solve(mesh, &cycle).unwrap();
-    let flat = flatten(mesh, &scale, f64::INFINITY).unwrap();
-    let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
-    let first: Vector2 = flat.points[1] - flat.points[0];
-    let cover = cover(&outline, &first, PieceSize::Counts(counts), stretches, gap, None).unwrap();
-    let target = Target::new(mesh.clone(), &cycle);
-    let control = stage1(&cover, mesh, &flat.points);
-    let quiet =
-        &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
-    let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Options::default() };
-    let weights = stage2::Weights::default();
-    let (control, _) = stage2::stage2(&cover, &control, &target, gap, &weights, &options, quiet);
-    let start = initial_pattern(&cover, &control, gap);
-    let (pattern, _) = stage3(&cover, start, &target, gap, &stage3::Weights::default(), quiet);
-    let design = hinges::design(&cover.mesh, &pattern, gap);
-    let filled = filled_surface(&cover.mesh, &pattern.open);
-    let quality = measure(&design, &filled, &target, cover.cell.edge(), scale.ratio());
-    Solved { cover, design, quality }
+    let solved = solve::solve(mesh, counts, stretches, gap, |flat| flat[1] - flat[0]);
+    let (design, quality) = solved.measured(&solved.pattern);
+    Solved { cover: solved.cover, design, quality }
 }
 
 /// A grid of n x n quads split into triangles, over x, y in 0..1, moved into space by `place`. The first edge runs

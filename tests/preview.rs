@@ -1,22 +1,17 @@
 //! The preview of real sheets: what it says, that it is sound SVG, and that it stays small.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use kirimorph::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use kirimorph::fabrication::hinge_table::Verdict;
 use kirimorph::geometry::mesh::TriMesh;
-use kirimorph::geometry::{Point2, Point3, Vector2, flatten, topology};
-use kirimorph::kirigami::control_mesh::{Target, stage1};
-use kirimorph::kirigami::cover::{PieceSize, cover};
-use kirimorph::kirigami::hinges;
-use kirimorph::kirigami::stage2::stage2;
-use kirimorph::kirigami::stage3::{initial_pattern, stage3};
+use kirimorph::geometry::{Point3, Vector2};
 use kirimorph::output::preview::{self, Preview, WritePreviewError};
-use kirimorph::solver::{Journal, Options, Run, Step};
 use svg::node::Attributes;
 use svg::node::element::tag::Type;
 use svg::parser::Event;
+
+mod solve;
 
 /// A spherical cap over a square of 120 mm, or the same seen from below.
 fn cap(from_below: bool) -> TriMesh {
@@ -41,21 +36,8 @@ fn cap(from_below: bool) -> TriMesh {
 fn sheet(mesh: &TriMesh) -> Fabrication {
     let profile = kirimorph::profile::load("steel-304-0.5mm", Path::new(".")).unwrap();
     let gap = profile.hinge_gap();
-    let cycle = topology::disk(&mesh.faces).unwrap().boundary;
-    let scale = flatten::ConformalScale::solve(mesh, &cycle).unwrap();
-    let flat = flatten::flatten(mesh, &scale, f64::INFINITY).unwrap();
-    let outline: Vec<Point2> = cycle.iter().map(|&v| flat.points[v]).collect();
-    let stretches = [std::f64::consts::SQRT_2; 2];
-    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();
-    let target = Target::new(mesh.clone(), &cycle);
-    let start = stage1(&cover, mesh, &flat.points);
-    let quiet =
-        &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
-    let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Options::default() };
-    let (control, _) = stage2(&cover, &start, &target, gap, &Default::default(), &options, quiet);
-    let pattern = initial_pattern(&cover, &control, gap);
-    let (pattern, _) = stage3(&cover, pattern, &target, gap, &Default::default(), quiet);
-    let design = hinges::design(&cover.mesh, &pattern, gap);
+    let solved = solve::solve(mesh, [6, 6], [std::f64::consts::SQRT_2; 2], gap, |_| Vector2::x());
+    let (design, _) = solved.measured(&solved.pattern);
     let lengths = ligament_lengths(&design, &profile).unwrap();
     fabricate(&design, &profile, &lengths).unwrap()
 }

@@ -2,6 +2,7 @@
 //! programs.
 
 mod dome;
+mod solve;
 mod peers;
 
 use std::collections::BTreeMap;

@@ -57,10 +57,10 @@ impl Climb<'_> {
     pub fn stage2(&self, run: &mut Run) -> (ControlMesh, Report) {
         let later = self.levels.iter().enumerate().map(|(i, level)| regime(i, level).most_steps()).sum();
         let watch = &mut |step: &Step| (run.watch)(&Step { later, ..*step });
-        self.from_model(0, "stage-2", &mut Run { journal: run.journal, watch })
+        self.model_cells(0, "stage-2", &mut Run { journal: run.journal, watch })
     }
 
-    fn from_model(&self, level: usize, name: &str, run: &mut Run) -> (ControlMesh, Report) {
+    fn model_cells(&self, level: usize, name: &str, run: &mut Run) -> (ControlMesh, Report) {
         let Level { cover, gap } = &self.levels[level];
         let start = stage1(cover, self.lift);
         let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
@@ -80,7 +80,7 @@ impl Climb<'_> {
                 }
                 (Some(start), _) => start,
                 _ => {
-                    let (control, report) = self.from_model(number, &format!("stage-2/{number}"), run);
+                    let (control, report) = self.model_cells(number, &format!("stage-2/{number}"), run);
                     reports.push(report);
                     (control, Regime::from_model())
                 }

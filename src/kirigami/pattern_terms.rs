@@ -44,7 +44,7 @@ pub struct Softly<'a> {
     pub gap: f64,
     /// Weights.
     pub weights: &'a Weights,
-    /// Of the terms that reach beyond one piece.
+    /// Of fairness.
     pub coupling: Coupling,
 }
 
@@ -66,22 +66,22 @@ pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<
     let corners = corner_holds(cover, target, tip);
     let least = LEAST_WIDTH.max(LEAST_WIDTH_IN_GAPS * gap / scale);
     let [fair_closed, fair_open] = fairness(cover, at);
-    let inside = Coupling::Full;
+    let full = Coupling::Full;
     // Widths are zero at a good solution: no need to phase them out.
     let widths = if phase.soft > 0.0 { 1.0 } else { 0.0 };
     let terms: [(Box<dyn Term>, f64, f64, Coupling); 9] = [
-        (Box::new(Held::new("prox", points, target, scale)), weights.prox, phase.soft, inside),
-        (Box::new(Held::new("boundary", border, target, scale)), weights.boundary, phase.soft, inside),
-        (Box::new(Held::new("corners", corners, target, scale)), weights.corners, phase.soft, inside),
-        (Box::new(Lengths::new("sides", border_sides(cover, at))), weights.sides, phase.soft, inside),
+        (Box::new(Held::new("prox", points, target, scale)), weights.prox, phase.soft, full),
+        (Box::new(Held::new("boundary", border, target, scale)), weights.boundary, phase.soft, full),
+        (Box::new(Held::new("corners", corners, target, scale)), weights.corners, phase.soft, full),
+        (Box::new(Lengths::new("sides", border_sides(cover, at))), weights.sides, phase.soft, full),
         (Box::new(RightAngles::new("opening", hinge_sides(mesh, at))), weights.opening, phase.soft, coupling),
         (
             Box::new(RightAngles::new("rectangles", piece_corners(mesh, at))),
             weights.rectangles,
             phase.soft,
-            inside,
+            full,
         ),
-        (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, inside),
+        (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, full),
         (Box::new(fair_closed), weights.fair, phase.fair, coupling),
         (Box::new(fair_open), weights.fair, phase.fair, coupling),
     ];

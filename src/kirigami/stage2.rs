@@ -146,7 +146,7 @@ pub(super) fn border_holds(
         }
         let foot = target.boundary.closest(&p);
         let outside = (p - foot.point).dot(&foot.conormal) > 0.0;
-        Hold::Plane(if outside { foot.point } else { p }, foot.conormal)
+        Hold::Inside(if outside { foot.point } else { p }, foot.conormal)
     };
     border.map(|(at, p)| (at, hold(p))).collect()
 }

@@ -8,7 +8,7 @@ use super::cover::Cover;
 use super::pattern::{Pattern, Unknowns, hinge_offsets, pack, places, unpack};
 use super::pattern_terms::{Softly, hard_terms, soft_terms};
 use super::stage2::border_holds;
-use crate::solver::{Coupling, Options, Report, Run, Step, System, Termination};
+use crate::solver::{Coupling, Options, Precision, Report, Run, Step, System, Termination};
 
 /// Weights of the soft phase, for a mean edge of 1. Isometry and planarity have weight 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +65,7 @@ pub struct Phase {
 pub struct Regime {
     /// Its phases.
     pub phases: Vec<Phase>,
-    /// Coupling of the terms that reach beyond one piece.
+    /// Coupling of fairness, the term that reaches farthest.
     pub coupling: Coupling,
 }
 
@@ -73,8 +73,9 @@ pub struct Regime {
 /// thousand pieces.
 const HARD_FLOOR: f64 = 1e-28;
 
-/// Up to this number of pieces all terms are fully coupled.
-const FULLY_COUPLED: usize = 12_000;
+/// Up to this number of pieces fairness is fully coupled. Beyond, its curvature is bounded place by place: that makes
+/// the factor six times cheaper, and long waves have been settled on coarser grids.
+const FULLY_COUPLED: usize = 5_000;
 
 impl Regime {
     /// From the model cells of Stage 2. Closeness first gains and then phases out, so that the hard phase has little
@@ -110,7 +111,7 @@ fn phases(soft: &[(f64, f64, usize, f64)]) -> Vec<Phase> {
     let soft = soft.iter().map(|&(soft, fair, iterations, energy_tolerance)| Phase {
         soft,
         fair,
-        options: Options { iterations, energy_tolerance, ..Options::default() },
+        options: Options { iterations, energy_tolerance, precision: Precision::Single, ..Options::default() },
     });
     let hard = Options {
         iterations: 20,

@@ -9,7 +9,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
-use std::ops::{AddAssign, Div, Mul, Sub};
+use std::ops::{AddAssign, Div, Mul, Sub, SubAssign};
 
 /// The precisions in which a matrix can be factorised.
 pub trait Real:
@@ -22,6 +22,7 @@ pub trait Real:
     + Div<Output = Self>
     + Mul<Output = Self>
     + Sub<Output = Self>
+    + SubAssign
 {
     /// Rounds a number.
     fn of(value: f64) -> Self;
@@ -198,7 +199,7 @@ pub fn solve_lower<T: Real>(panel: &[T], columns: usize, front: &mut [T]) {
         let value = front[j] / column[j];
         front[j] = value;
         for (entry, factor) in front[j + 1..].iter_mut().zip(&column[j + 1..]) {
-            *entry = *entry - *factor * value;
+            *entry -= *factor * value;
         }
     }
 }

@@ -313,14 +313,14 @@ impl Search<'_> {
             Precision::Single => {
                 let sound = self.single.factorise(pattern, values, shift);
                 if sound {
-                    self.single.solve(pattern, &mut self.step);
+                    self.single.solve(pattern, self.step);
                 }
                 sound
             }
             Precision::Double => {
                 let sound = self.double.factorise(pattern, values, shift);
                 if sound {
-                    self.double.solve(pattern, &mut self.step);
+                    self.double.solve(pattern, self.step);
                 }
                 sound
             }

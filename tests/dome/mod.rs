@@ -1,23 +1,16 @@
 //! A real design to test with: a shallow dome of 6 x 6 pieces, made by the optimiser's own stages.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 
-use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::mesh::TriMesh;
-use kirimorph::geometry::topology::disk;
 use kirimorph::geometry::{Point3, Vector2};
-use kirimorph::kirigami::control_mesh::{Target, stage1};
-use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
 use kirimorph::kirigami::design::Design;
-use kirimorph::kirigami::feasibility::EASY_RATIO;
-use kirimorph::kirigami::filled::filled_surface;
-use kirimorph::kirigami::quality::{Quality, measure};
-use kirimorph::kirigami::stage3::{Pattern, initial_pattern, stage3};
-use kirimorph::kirigami::{hinges, stage2, stage3};
+use kirimorph::kirigami::pattern::Pattern;
+use kirimorph::kirigami::quality::Quality;
 use kirimorph::output::design_json::Stage;
 use kirimorph::profile::{self, Profile};
-use kirimorph::solver::{Journal, Options, Run, Step};
+
+use super::solve::solve;
 
 /// A design with its measures and the solver's reports.
 pub struct Made {
@@ -38,50 +31,20 @@ pub fn dome() -> Dome {
     let profile = profile::load("steel-304-0.5mm", Path::new("")).unwrap();
     let gap = profile.hinge_gap();
     let mesh = mesh(14, 90.0, 14.0);
-    let cycle = disk(&mesh.faces).unwrap().boundary;
-    let scale = ConformalScale::solve(&mesh, &cycle).unwrap();
-    let flat = flatten(&mesh, &scale, EASY_RATIO).unwrap();
-    let outline: Vec<_> = cycle.iter().map(|&v| flat.points[v]).collect();
-    let stretches = [std::f64::consts::SQRT_2; 2];
-    let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), stretches, gap, None).unwrap();
-    let target = Target::new(mesh.clone(), &cycle);
-    let control = stage1(&cover, &mesh, &flat.points);
-    let progress =
-        &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
-    let (control, second) = stage2::stage2(
-        &cover,
-        &control,
-        &target,
-        gap,
-        &stage2::Weights::default(),
-        &Options::default(),
-        progress,
-    );
-    let first = initial_pattern(&cover, &control, gap);
-    let (pattern, third) = stage3(&cover, first.clone(), &target, gap, &stage3::Weights::default(), progress);
-    let mut shaken = first;
+    let solved = solve(&mesh, [6, 6], [std::f64::consts::SQRT_2; 2], gap, |_| Vector2::x());
+    let mut shaken = solved.start.clone();
     shaken.open.iter_mut().enumerate().for_each(|(i, p)| p.z += 0.3 * (i as f64).sin());
+    let [second, third] = solved.reports.clone();
     let stages = vec![
         Stage { name: "stage-1", reports: vec![] },
-        Stage { name: "stage-2", reports: vec![second] },
+        Stage { name: "stage-2", reports: second },
         Stage { name: "stage-3", reports: third },
     ];
     let made = |pattern: &Pattern, stages| {
-        let design = hinges::design(&cover.mesh, pattern, gap);
-        let quality = measured(&design, &cover, pattern, &target, scale.ratio());
+        let (design, quality) = solved.measured(pattern);
         Made { design, quality, stages }
     };
-    Dome { shaken: made(&shaken, vec![]), made: made(&pattern, stages), profile }
-}
-
-fn measured(
-    design: &Design,
-    cover: &Cover,
-    pattern: &Pattern,
-    target: &Target,
-    stretch_ratio: f64,
-) -> Quality {
-    measure(design, &filled_surface(&cover.mesh, &pattern.open), target, cover.cell.edge(), stretch_ratio)
+    Dome { shaken: made(&shaken, vec![]), made: made(&solved.pattern, stages), profile }
 }
 
 /// A dome over a square, off the origin so that no coordinate is a round number.

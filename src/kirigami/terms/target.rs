@@ -4,6 +4,7 @@ use super::PointAt;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::control_mesh::Target;
 use crate::solver::Term;
+use rayon::prelude::*;
 
 /// What a point of the open state is held to. Within the plane that this gives it may glide.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +15,8 @@ pub enum Hold {
     Boundary,
     /// A plane given by a point (millimetres) and a unit normal.
     Plane(Point3, Vector3),
+    /// Such a plane as long as the point is not outside the target's boundary, and the boundary where it is.
+    Inside(Point3, Vector3),
 }
 
 impl Hold {
@@ -69,20 +72,31 @@ impl Term for Held<'_> {
         jacobian.copy_from_slice(normal.as_slice());
     }
     fn refresh(&mut self, x: &[f64]) {
-        for ((point, hold), foot) in self.points.iter().zip(&mut self.feet) {
-            let here = Point3::from(point.read(x) * self.scale);
-            let (at, normal) = match hold {
-                Hold::Plane(at, normal) => (*at, *normal),
-                Hold::Surface => {
-                    let found = self.target.surface.closest(&here);
-                    (found.point, found.normal)
-                }
-                Hold::Boundary => {
-                    let found = self.target.boundary.closest(&here);
-                    (found.point, found.conormal)
-                }
-            };
-            *foot = (normal, at.coords.dot(&normal) / self.scale);
+        let Self { points, feet, target, scale, .. } = self;
+        points.par_iter().zip(feet.par_iter_mut()).with_min_len(256).for_each(|((point, hold), foot)| {
+            let here = Point3::from(point.read(x) * *scale);
+            let (at, normal) = plane(hold, target, &here);
+            *foot = (normal, at.coords.dot(&normal) / *scale);
+        });
+    }
+}
+
+/// The plane that a point at `here` is held to: a point of it and its unit normal.
+fn plane(hold: &Hold, target: &Target, here: &Point3) -> (Point3, Vector3) {
+    let boundary = || {
+        let found = target.boundary.closest(here);
+        (found.point, found.conormal)
+    };
+    match hold {
+        Hold::Plane(at, normal) => (*at, *normal),
+        Hold::Surface => {
+            let found = target.surface.closest(here);
+            (found.point, found.normal)
+        }
+        Hold::Boundary => boundary(),
+        Hold::Inside(at, normal) => {
+            let (foot, conormal) = boundary();
+            if (here - foot).dot(&conormal) > 0.0 { (foot, conormal) } else { (*at, *normal) }
         }
     }
 }
