@@ -74,7 +74,8 @@ pub struct Regime {
 const HARD_FLOOR: f64 = 1e-28;
 
 /// Up to this number of pieces fairness is fully coupled. Beyond, its curvature is bounded place by place: that makes
-/// the factor six times cheaper, and long waves have been settled on coarser grids.
+/// the factor six times cheaper, and long waves have been settled on coarser grids. The factor of soft phases is then in
+/// single precision: rounding of the target's coordinates shows in the fourth digit of what isometry leaves free.
 const FULLY_COUPLED: usize = 5_000;
 
 impl Regime {
@@ -89,15 +90,19 @@ impl Regime {
             (0.2, 4e-3, 10, 1e-3),
             (0.02, 4e-4, 10, 1e-3),
         ];
-        Self { phases: phases(&SOFT), coupling: Coupling::Full }
+        Self { phases: phases(&SOFT, Precision::Double), coupling: Coupling::Full }
     }
 
     /// From an optimised pattern of larger pieces: only details remain to be found.
     pub fn from_coarser(pieces: usize) -> Self {
         const SOFT: [(f64, f64, usize, f64); 3] =
             [(1.0, 1.0, 4, 3e-2), (2.0, 0.04, 6, 1e-2), (0.1, 2e-3, 3, 1e-2)];
-        let coupling = if pieces > FULLY_COUPLED { Coupling::ByPlace } else { Coupling::Full };
-        Self { phases: phases(&SOFT), coupling }
+        let (coupling, precision) = if pieces > FULLY_COUPLED {
+            (Coupling::ByPlace, Precision::Single)
+        } else {
+            (Coupling::Full, Precision::Double)
+        };
+        Self { phases: phases(&SOFT, precision), coupling }
     }
 
     /// Most steps of all phases together.
@@ -107,11 +112,11 @@ impl Regime {
 }
 
 /// These soft phases, and the hard one.
-fn phases(soft: &[(f64, f64, usize, f64)]) -> Vec<Phase> {
+fn phases(soft: &[(f64, f64, usize, f64)], precision: Precision) -> Vec<Phase> {
     let soft = soft.iter().map(|&(soft, fair, iterations, energy_tolerance)| Phase {
         soft,
         fair,
-        options: Options { iterations, energy_tolerance, precision: Precision::Single, ..Options::default() },
+        options: Options { iterations, energy_tolerance, precision, ..Options::default() },
     });
     let hard = Options {
         iterations: 20,
