@@ -173,3 +173,68 @@ fn displace(coarse: &Cover, moved: &Displacement, fine: &Cover, control: &mut Co
         control.open_corners[i] += open.apply_nearest(at).coords;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::cover::{PieceSize, cover};
+    use super::super::pattern::hinge_offsets;
+    use super::*;
+    use crate::geometry::Point2;
+    use std::f64::consts::SQRT_2;
+
+    /// The grid over a flat rectangle, and its Stage 1 map: the identity.
+    fn flat(counts: [usize; 2]) -> (Cover, ControlMesh) {
+        let outline = [[0.0, 0.0], [60.0, 0.0], [60.0, 40.0], [0.0, 40.0]].map(|[x, y]| Point2::new(x, y));
+        let cover =
+            cover(&outline, &Vector2::x(), PieceSize::Counts(counts), [SQRT_2; 2], 0.0, None).unwrap();
+        let vertices = outline.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
+        let lift = LinearMap::new(TriMesh { vertices, faces: vec![[0, 1, 2], [0, 2, 3]] }, &outline);
+        let control = stage1(&cover, &lift);
+        (cover, control)
+    }
+
+    /// A linear displacement of the open state.
+    fn shift(p: &Point3) -> Vector3 {
+        Vector3::new(0.02 * p.x - 0.01 * p.y, 0.03 * p.y, 0.05 * p.x + 0.02 * p.y + 1.0)
+    }
+
+    #[test]
+    fn a_linear_displacement_is_carried_over_exactly_inside() {
+        let (coarse, first) = flat([6, 4]);
+        let mut pattern = initial_pattern(&coarse, &first, 0.0);
+        pattern.open.iter_mut().for_each(|p| *p += shift(p));
+        // Closed corners scale with the flattened ones.
+        pattern.corners.iter_mut().for_each(|p| *p += p.coords * 0.1);
+        let moved = displacement(&coarse, &first, &pattern, 0.0);
+        let (fine, start) = flat([12, 8]);
+        let mut control = start.clone();
+        displace(&coarse, &moved, &fine, &mut control);
+        let cell = coarse.cell.open;
+        let mut inside = 0;
+        for (i, at) in fine.corners.iter().enumerate() {
+            // Beyond the outermost centres the displacement is constant.
+            let hull = Point2::new(
+                at.x.clamp(0.5 * cell, 60.0 - 0.5 * cell),
+                at.y.clamp(0.5 * cell, 40.0 - 0.5 * cell),
+            );
+            let expected = start.open_corners[i] + shift(&Point3::new(hull.x, hull.y, 0.0));
+            assert!((control.open_corners[i] - expected).norm() < 1e-9, "{at}");
+            inside += usize::from((hull - at).norm() < 1e-9);
+            let closed = start.closed_corners[i] + 0.1 * hull.coords / SQRT_2;
+            assert!((control.closed_corners[i] - closed).norm() < 1e-9, "{at}");
+        }
+        assert_eq!(inside, 11 * 7);
+    }
+
+    #[test]
+    fn a_pattern_that_has_not_moved_leaves_the_map_of_stage_1() {
+        let (coarse, first) = flat([4, 3]);
+        let pattern = initial_pattern(&coarse, &first, 0.0);
+        assert_eq!(pattern.offsets, hinge_offsets(&coarse.mesh, &pattern.corners, 0.0));
+        let moved = displacement(&coarse, &first, &pattern, 0.0);
+        let (fine, start) = flat([8, 6]);
+        let mut control = start.clone();
+        displace(&coarse, &moved, &fine, &mut control);
+        assert_eq!(control, start);
+    }
+}
