@@ -15,6 +15,9 @@ mod target;
 mod width;
 
 #[cfg(test)]
+mod ideal_cells;
+
+#[cfg(test)]
 mod tests;
 
 pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};

@@ -50,6 +50,7 @@ fn jacobians_agree_with_differences() {
             vec![
                 (at(0, 3), Hold::Plane(Point3::new(1.0, 2.0, 3.0), Vector3::y())),
                 (at(3, 3), Hold::Boundary),
+                (at(6, 3), Hold::Inside(Point3::new(1.0, 2.0, 3.0), Vector3::x())),
             ],
             &target,
             2.0,
@@ -81,6 +82,23 @@ fn proximity_and_boundary_measure_distances() {
     boundary.refresh(&outside);
     boundary.evaluate(0, &outside, &mut residual, &mut [0.0; 3]);
     assert!((residual[0] - 2.0).abs() < 0.02, "{}", residual[0]);
+}
+
+#[test]
+fn a_point_that_is_held_inside_glides_in_its_plane_until_it_leaves_the_outline() {
+    let target = target();
+    let hold = Hold::Inside(Point3::new(0.0, -7.0, 0.0), -Vector3::y());
+    let mut term = Held::new("boundary", [(at(0, 3), hold)], &target, 1.0);
+    let mut residual = |x: [f64; 3]| {
+        let mut residual = [0.0];
+        term.refresh(&x);
+        term.evaluate(0, &x, &mut residual, &mut [0.0; 3]);
+        residual[0]
+    };
+    assert!((residual([3.0, -6.0, 0.0]) + 1.0).abs() < 1e-12);
+    // Beyond the other side, near x = 9 at y = -7, the outline counts: half a unit outside.
+    let outside = residual([9.5 - 1.0 / 17.0, -7.0, 0.02]);
+    assert!((outside - 0.5).abs() < 0.02, "{outside}");
 }
 
 #[test]
