@@ -75,6 +75,24 @@ fn a_trimmed_grid_is_made_the_same_twice() {
     same_bytes(&folder);
 }
 
+#[test]
+fn designs_do_not_depend_on_the_number_of_threads() {
+    let folder = peers::fresh_folder("determinism-threads");
+    std::fs::write(folder.join("dome.obj"), sample_dome()).unwrap();
+    // Enough for several levels, many independent subtrees, and closest points in more than one batch.
+    std::fs::write(folder.join("job.toml"), job("open = \"dome.obj\"", "pieces = [40, 40]", STEEL)).unwrap();
+    let designs = ["1", "2", "3"].map(|threads| {
+        let file = format!("with-{threads}.json");
+        let mut command = command(&folder);
+        let run = finish(command.env("RAYON_NUM_THREADS", threads).args(["design", "job.toml", "-o", &file]));
+        assert_eq!(run.status, 0, "{threads} threads: {}", run.stderr);
+        std::fs::read(folder.join(file)).unwrap()
+    });
+    assert!(designs[0].len() > 100_000);
+    assert!(designs[1] == designs[0], "two threads differ from one");
+    assert!(designs[2] == designs[0], "three threads differ from one");
+}
+
 /// A folder with the dome's results in `out`, made once for all tests below.
 static DOME: LazyLock<PathBuf> = LazyLock::new(|| {
     let folder = peers::fresh_folder("determinism-check");

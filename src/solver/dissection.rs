@@ -215,3 +215,6 @@ impl Work {
         best
     }
 }
+
+#[cfg(test)]
+mod tests;

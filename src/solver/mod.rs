@@ -22,6 +22,9 @@ pub mod normal_equations;
 
 pub mod journal;
 
+#[cfg(test)]
+mod examples;
+
 pub use journal::{Journal, Run};
 pub use levenberg_marquardt::{Iteration, Options, Precision, Report, Step, System, Termination, Watch};
 

@@ -92,6 +92,12 @@ impl Pattern {
         start + self.rows[start..end].binary_search(&row).expect("the entry is in the pattern")
     }
 
+    /// The rows of a column's entries in the lower triangle, ascending: for tests and measurements that hand the
+    /// matrix to other solvers.
+    pub fn column(&self, column: usize) -> &[u32] {
+        &self.rows[self.starts[column]..self.starts[column + 1]]
+    }
+
     /// Where the entries of a column start; the diagonal entry is the first.
     pub fn diagonal(&self, column: usize) -> usize {
         self.starts[column]
@@ -296,3 +302,6 @@ fn add_update<T: Real>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -276,3 +276,6 @@ fn keep_apart(places: &[usize], own: &Range<usize>) -> (Vec<u32>, Vec<u32>) {
     };
     (places.iter().map(number).collect(), others)
 }
+
+#[cfg(test)]
+mod tests;

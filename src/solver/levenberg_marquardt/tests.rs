@@ -132,3 +132,49 @@ fn damping_ends_and_not_finite_is_taken_back() {
         assert!(evaluated.load(Ordering::Relaxed) <= 1 + ATTEMPTS);
     }
 }
+
+/// A term that must be left alone.
+struct Untouchable;
+
+impl Term for Untouchable {
+    fn name(&self) -> &'static str {
+        "untouchable"
+    }
+    fn blocks(&self) -> usize {
+        1
+    }
+    fn rows(&self, _: usize) -> usize {
+        1
+    }
+    fn unknowns(&self, _: usize) -> &[usize] {
+        &[0]
+    }
+    fn evaluate(&self, _: usize, _: &[f64], _: &mut [f64], _: &mut [f64]) {
+        panic!("a term of weight 0 is evaluated");
+    }
+    fn refresh(&mut self, _: &[f64]) {
+        panic!("a term of weight 0 is refreshed");
+    }
+}
+
+#[test]
+fn terms_of_weight_zero_are_skipped_and_not_reported() {
+    for coupling in [Coupling::Full, Coupling::ByPlace] {
+        let rosenbrock = || Weighted { term: Box::new(Rosenbrock(vec![[0, 1]])), weight: 2.0, coupling };
+        let idle = || Weighted { term: Box::new(Untouchable), weight: 0.0, coupling };
+        let options = Options { iterations: 100, energy_floor: 1e-24, ..Options::default() };
+        let [alone, before, after] =
+            [vec![rosenbrock()], vec![idle(), rosenbrock()], vec![rosenbrock(), idle()]].map(|mut terms| {
+                let mut x = vec![-1.2, 1.0];
+                let watch = &mut |step: &Step| {
+                    assert_eq!((step.terms.len(), step.energies.len()), (1, 1));
+                    ControlFlow::Continue(())
+                };
+                let mut system = System::new(vec![[0.0; 2]; 2]);
+                (system.minimize(&mut terms, &mut x, &options, watch), x)
+            });
+        assert_eq!(alone.0.terms, ["rosenbrock"]);
+        assert_eq!(alone.0.termination, Termination::EnergyFloor);
+        assert!(before == alone && after == alone);
+    }
+}
