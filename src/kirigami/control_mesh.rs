@@ -39,6 +39,15 @@ impl Target {
     }
 }
 
+/// What the two states are held to.
+#[derive(Clone, Copy)]
+pub struct Targets<'a> {
+    /// The closed state's; `None` where that lies in the plane.
+    pub closed: Option<&'a Target>,
+    /// The open state's.
+    pub open: &'a Target,
+}
+
 /// Lays the pair of regular grids of a cover into the plane and into the target.
 ///
 /// `lift` takes the flattening back to the target.

@@ -73,29 +73,32 @@ pub fn initial_pattern(cover: &Cover, control: &ControlMesh, gap: f64) -> Patter
 pub struct Unknowns {
     /// Number of corners.
     pub corners: usize,
+    /// 2 where the closed state lies in the plane, 3 where it lies in space.
+    pub closed_dimension: usize,
 }
 
 impl Unknowns {
     /// A corner midpoint of the closed sheet.
     pub fn corner(&self, i: usize) -> PointAt {
-        PointAt { start: 2 * i, dimension: 2 }
+        PointAt { start: self.closed_dimension * i, dimension: self.closed_dimension }
     }
 
     /// The open hinge of an edge.
     pub fn open(&self, edge: usize) -> PointAt {
-        PointAt { start: 2 * self.corners + 3 * edge, dimension: 3 }
+        PointAt { start: self.closed_dimension * self.corners + 3 * edge, dimension: 3 }
     }
 }
 
-/// A place of each unknown on the grid.
-pub fn places(cover: &Cover) -> Vec<[f64; 2]> {
+/// A place of each unknown on the grid; the closed state has `closed_dimension` unknowns per corner.
+pub fn places(cover: &Cover, closed_dimension: usize) -> Vec<[f64; 2]> {
     let corners: Vec<[f64; 2]> = cover.positions.iter().map(|p| p.map(f64::from)).collect();
     let middle = |edge: &Edge| {
         let [p, q] = edge.corners.map(|c| corners[c]);
         [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])]
     };
     let edges: Vec<[f64; 2]> = cover.mesh.edges.iter().map(middle).collect();
-    corners.iter().flat_map(|p| [*p; 2]).chain(edges.iter().flat_map(|p| [*p; 3])).collect()
+    let closed = corners.iter().flat_map(|p| std::iter::repeat_n(*p, closed_dimension));
+    closed.chain(edges.iter().flat_map(|p| [*p; 3])).collect()
 }
 
 /// The unknowns of a pattern, in units of `scale` millimetres.

@@ -1,10 +1,10 @@
 //! The terms of Stage 3 over the unknowns of a pattern.
 
-use super::control_mesh::Target;
+use super::control_mesh::Targets;
 use super::cover::Cover;
 use super::pattern::Unknowns;
 use super::piece_mesh::{Edge, PieceMesh};
-use super::stage2::corner_holds;
+use super::stage2::{closed_holds, corner_holds};
 use super::stage3::{Phase, Weights};
 use super::terms::{
     Held, Hold, Isometry, LeastWidths, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles,
@@ -36,8 +36,8 @@ const LEAST_WIDTH_IN_GAPS: f64 = 3.0;
 pub struct Softly<'a> {
     /// The grid.
     pub cover: &'a Cover,
-    /// What the open state is held to.
-    pub target: &'a Target,
+    /// What the two states are held to.
+    pub targets: Targets<'a>,
     /// What the border points of the open state are held to.
     pub holds: &'a [(PointAt, Hold)],
     /// Distance between the two hinge points of a corner, millimetres.
@@ -48,10 +48,12 @@ pub struct Softly<'a> {
     pub coupling: Coupling,
 }
 
-/// The terms that decide what isometry leaves free. Those that the weights leave out are not among them; those that
+/// The terms that decide what isometry leaves free. A closed state in space is held to its own surface and boundary as
+/// the open one is; least widths are known in the plane only. Those that the weights leave out are not among them; those that
 /// a phase leaves out have weight 0.
 pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<Weighted<'a>> {
-    let &Softly { cover, target, holds, gap, weights, coupling } = softly;
+    let &Softly { cover, targets, holds, gap, weights, coupling } = softly;
+    let target = targets.open;
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
     let points = (0..mesh.edges.len()).map(|e| (at.open(e), Hold::Surface));
@@ -69,7 +71,7 @@ pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<
     let full = Coupling::Full;
     // Widths are zero at a good solution: no need to phase them out.
     let widths = if phase.soft > 0.0 { 1.0 } else { 0.0 };
-    let terms: [(Box<dyn Term>, f64, f64, Coupling); 9] = [
+    let mut terms: Vec<(Box<dyn Term>, f64, f64, Coupling)> = vec![
         (Box::new(Held::new("prox", points, target, scale)), weights.prox, phase.soft, full),
         (Box::new(Held::new("boundary", border, target, scale)), weights.boundary, phase.soft, full),
         (Box::new(Held::new("corners", corners, target, scale)), weights.corners, phase.soft, full),
@@ -81,10 +83,21 @@ pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<
             phase.soft,
             full,
         ),
-        (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, full),
         (Box::new(fair_closed), weights.fair, phase.fair, coupling),
         (Box::new(fair_open), weights.fair, phase.fair, coupling),
     ];
+    match targets.closed {
+        // In the place where it stands in reports.
+        None => terms.insert(
+            6,
+            (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, full),
+        ),
+        Some(closed) => {
+            let [prox, boundary] = closed_holds(mesh, closed, scale, |c| at.corner(c));
+            terms.push((Box::new(prox), weights.prox, phase.soft, full));
+            terms.push((Box::new(boundary), weights.boundary, phase.soft, full));
+        }
+    }
     let asked = terms.into_iter().filter(|(_, weight, ..)| *weight > 0.0);
     asked
         .map(|(term, weight, factor, coupling)| Weighted { term, weight: weight * factor, coupling })
@@ -164,5 +177,5 @@ fn fairness(cover: &Cover, at: &Unknowns) -> [LinearTerm; 2] {
             vec![(at.open(i), 1.0), (at.open(j), -1.0 - s), (at.open(k), s)]
         })
         .collect();
-    [LinearTerm::new("fair-closed", 2, &closed), LinearTerm::new("fair-open", 3, &open)]
+    [LinearTerm::new("fair-closed", at.closed_dimension, &closed), LinearTerm::new("fair-open", 3, &open)]
 }

@@ -107,10 +107,7 @@ pub fn measure(
         vertices: design.corners.clone(),
         faces: design.pieces.iter().map(|piece| piece.corners.clone()).collect(),
     };
-    let mesh = target.surface.mesh();
-    let corners = mesh.vertices.iter().copied();
-    let samples = corners.chain(mesh.faces.iter().map(|face| centroid(&face.map(|v| mesh.vertices[v]))));
-    let (low, high) = bounds(&mesh.vertices);
+    let (low, high) = bounds(&target.surface.mesh().vertices);
     Quality {
         e_isom,
         max_length_error,
@@ -118,10 +115,7 @@ pub fn measure(
         distance_max: largest(&mut vertices.map(|p| target.surface.distance(p))),
         sagitta_max: largest(&mut centres.map(|p| target.surface.distance(&p))),
         boundary_max: boundary_distance(filled, &open, target),
-        coverage_max: {
-            let pattern = ClosestPoints::new(open);
-            largest(&mut samples.map(|p| pattern.distance(&p)))
-        },
+        coverage_max: coverage(open, target),
         target_diagonal: (high - low).norm(),
         mean_edge,
         asked_edge,
@@ -175,6 +169,15 @@ impl Quality {
     }
 }
 
+/// Largest distance of a point of the target (vertices and face centres) from a pattern, given as triangles.
+pub fn coverage(pattern: TriMesh, target: &Target) -> f64 {
+    let mesh = target.surface.mesh();
+    let corners = mesh.vertices.iter().copied();
+    let samples = corners.chain(mesh.faces.iter().map(|face| centroid(&face.map(|v| mesh.vertices[v]))));
+    let pattern = ClosestPoints::new(pattern);
+    samples.map(|p| pattern.distance(&p)).fold(0.0, f64::max)
+}
+
 /// E_isom at mean edge 1, and the largest relative length error.
 fn length_errors(design: &Design, mean_edge: f64) -> (f64, f64) {
     let (mut energy, mut worst) = (0.0, 0.0_f64);
@@ -208,7 +211,7 @@ fn planarity(design: &Design) -> f64 {
 }
 
 /// Faces as triangle fans: fine for measuring, where faces are nearly flat and convex.
-fn fan_triangles(mesh: &PolyMesh) -> TriMesh {
+pub fn fan_triangles(mesh: &PolyMesh) -> TriMesh {
     let fan = |face: &Vec<usize>| -> Vec<[usize; 3]> {
         (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect()
     };

@@ -3,8 +3,9 @@
 //! Levenberg-Marquardt over both control meshes: orthogonal diagonals, square open faces, constant mean
 //! stretch, closeness to the target and to its boundary, fairness.
 
-use super::control_mesh::{ControlMesh, Target};
+use super::control_mesh::{ControlMesh, Target, Targets};
 use super::cover::{Boundary, Cover};
+use super::design::State;
 use super::piece_mesh::PieceMesh;
 use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
 use crate::geometry::{Point2, Point3};
@@ -39,23 +40,31 @@ impl Default for Weights {
 const LAMBDA: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Positions of the four families of control vertices among the unknowns.
-struct Unknowns {
-    corners: usize,
-    pieces: usize,
+pub struct Unknowns {
+    /// Number of white vertices.
+    pub corners: usize,
+    /// Number of black vertices.
+    pub pieces: usize,
+    /// 2 where the closed state lies in the plane, 3 where it lies in space.
+    pub closed_dimension: usize,
 }
 
 impl Unknowns {
-    fn closed_corner(&self, i: usize) -> PointAt {
-        PointAt { start: 2 * i, dimension: 2 }
+    /// A white vertex of V.
+    pub fn closed_corner(&self, i: usize) -> PointAt {
+        PointAt { start: self.closed_dimension * i, dimension: self.closed_dimension }
     }
-    fn closed_centre(&self, i: usize) -> PointAt {
-        PointAt { start: 2 * (self.corners + i), dimension: 2 }
+    /// A black vertex of V.
+    pub fn closed_centre(&self, i: usize) -> PointAt {
+        self.closed_corner(self.corners + i)
     }
-    fn open_corner(&self, i: usize) -> PointAt {
-        PointAt { start: 2 * (self.corners + self.pieces) + 3 * i, dimension: 3 }
+    /// A white vertex of V'.
+    pub fn open_corner(&self, i: usize) -> PointAt {
+        PointAt { start: self.closed_dimension * (self.corners + self.pieces) + 3 * i, dimension: 3 }
     }
-    fn open_centre(&self, i: usize) -> PointAt {
-        PointAt { start: 2 * (self.corners + self.pieces) + 3 * (self.corners + i), dimension: 3 }
+    /// A black vertex of V'.
+    pub fn open_centre(&self, i: usize) -> PointAt {
+        self.open_corner(self.corners + i)
     }
 }
 
@@ -76,41 +85,44 @@ pub fn stage2(
 ) -> (ControlMesh, Report) {
     let scale = cover.cell.edge();
     let mesh = &cover.mesh;
-    let at = Unknowns { corners: mesh.corner_count, pieces: mesh.pieces.len() };
+    let at = Unknowns { corners: mesh.corner_count, pieces: mesh.pieces.len(), closed_dimension: 2 };
+    let targets = Targets { closed: None, open: target };
     let mut x = pack(start, scale);
-    let terms = || terms(cover, start, target, &at, gap / scale, weights);
-    let mut system = System::new(places(cover));
+    let terms = || terms(cover, &start.open_corners, targets, &at, gap / scale, weights);
+    let mut system = System::new(places(cover, at.closed_dimension));
     let report = run.journal.minimize(name, &mut system, terms, &mut x, options, run.watch);
     (unpack(&x, &at, scale), report)
 }
 
-/// A place of each unknown on the grid.
-fn places(cover: &Cover) -> Vec<[f64; 2]> {
+/// A place of each unknown on the grid; the closed state has `closed_dimension` unknowns per vertex.
+pub fn places(cover: &Cover, closed_dimension: usize) -> Vec<[f64; 2]> {
     let corners: Vec<[f64; 2]> = cover.positions.iter().map(|p| p.map(f64::from)).collect();
     let centre = |piece: &Vec<usize>| {
         let sum = piece.iter().fold([0.0; 2], |sum, &c| [sum[0] + corners[c][0], sum[1] + corners[c][1]]);
         sum.map(|s| s / piece.len() as f64)
     };
     let points: Vec<[f64; 2]> = corners.iter().copied().chain(cover.mesh.pieces.iter().map(centre)).collect();
-    let plane = points.iter().flat_map(|p| [*p; 2]);
-    plane.chain(points.iter().flat_map(|p| [*p; 3])).collect()
+    let closed = points.iter().flat_map(|p| std::iter::repeat_n(*p, closed_dimension));
+    closed.chain(points.iter().flat_map(|p| [*p; 3])).collect()
 }
 
-/// All terms; `gap` in mean edges.
-fn terms<'a>(
+/// All terms that have a weight. `open_corners` are the open white vertices at the start, millimetres; `gap` is in mean
+/// edges. A closed state in space is held to its own surface and boundary as the open one is.
+pub fn terms<'a>(
     cover: &Cover,
-    start: &ControlMesh,
-    target: &'a Target,
+    open_corners: &[Point3],
+    targets: Targets<'a>,
     at: &Unknowns,
     gap: f64,
     weights: &Weights,
 ) -> Vec<Weighted<'a>> {
     let scale = cover.cell.edge();
+    let target = targets.open;
     let mesh = &cover.mesh;
     let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, at);
     let border = (0..mesh.corner_count)
         .filter(|&c| !mesh.fans[c].closed)
-        .map(|c| (at.open_corner(c), start.open_corners[c]));
+        .map(|c| (at.open_corner(c), open_corners[c]));
     let boundary = border_holds(border, target, cover.boundary);
     let corners = corner_holds(cover, target, |c| at.open_corner(c));
     let open = (0..mesh.corner_count)
@@ -118,15 +130,22 @@ fn terms<'a>(
         .chain((0..mesh.pieces.len()).map(|i| at.open_centre(i)))
         .map(|point| (point, Hold::Surface));
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
-    let terms: [(Box<dyn Term>, f64); 7] = [
+    let mut terms: Vec<(Box<dyn Term>, f64)> = vec![
         (Box::new(OrthogonalDiagonals::new(both)), weights.orth),
         (Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap)), weights.geom),
         (Box::new(Held::new("prox", open, target, scale)), weights.prox),
         (Box::new(Held::new("boundary", boundary, target, scale)), weights.boundary),
         (Box::new(Held::new("corners", corners, target, scale)), weights.corners),
-        (Box::new(fairness(mesh, at, 2)), weights.fair),
-        (Box::new(fairness(mesh, at, 3)), weights.fair),
+        (Box::new(fairness(mesh, at, State::Closed)), weights.fair),
+        (Box::new(fairness(mesh, at, State::Open)), weights.fair),
     ];
+    if let Some(closed) = targets.closed {
+        let [prox, boundary] = closed_holds(mesh, closed, scale, |c| at.closed_corner(c));
+        let centres = (0..mesh.pieces.len()).map(|i| (at.closed_centre(i), Hold::Surface));
+        terms.push((Box::new(prox), weights.prox));
+        terms.push((Box::new(Held::new("prox-closed", centres, closed, scale)), weights.prox));
+        terms.push((Box::new(boundary), weights.boundary));
+    }
     let asked = terms.into_iter().filter(|(_, weight)| *weight > 0.0);
     asked.map(|(term, weight)| Weighted { term, weight, coupling: Coupling::Full }).collect()
 }
@@ -149,6 +168,20 @@ pub(super) fn border_holds(
         Hold::Inside(if outside { foot.point } else { p }, foot.conormal)
     };
     border.map(|(at, p)| (at, hold(p))).collect()
+}
+
+/// What holds the corners of a closed state in space: all to the target's surface, those of the border to its boundary.
+/// `at` gives the unknowns of a corner.
+pub(super) fn closed_holds<'a>(
+    mesh: &PieceMesh,
+    closed: &'a Target,
+    scale: f64,
+    at: impl Fn(usize) -> PointAt,
+) -> [Held<'a>; 2] {
+    let border = |&c: &usize| !mesh.fans[c].closed;
+    let surface = (0..mesh.corner_count).map(|c| (at(c), Hold::Surface));
+    let boundary = (0..mesh.corner_count).filter(border).map(|c| (at(c), Hold::Boundary));
+    [Held::new("prox-closed", surface, closed, scale), Held::new("boundary-closed", boundary, closed, scale)]
 }
 
 /// What pins fixed corners of the sheet to the outline's; `at` gives the unknowns of a corner of the sheet.
@@ -187,10 +220,11 @@ fn faces(mesh: &PieceMesh, at: &Unknowns) -> Vec<(Diagonals, Diagonals)> {
 }
 
 /// Second differences, Eq. (6), along the mesh polylines: through quad pieces from corner to corner and
-/// through inner corners from piece to piece. In the plane (closed) or in space (open).
-fn fairness(mesh: &PieceMesh, at: &Unknowns, dimension: usize) -> LinearTerm {
-    let corner = |i| if dimension == 2 { at.closed_corner(i) } else { at.open_corner(i) };
-    let centre = |i| if dimension == 2 { at.closed_centre(i) } else { at.open_centre(i) };
+/// through inner corners from piece to piece, in one of the states.
+fn fairness(mesh: &PieceMesh, at: &Unknowns, state: State) -> LinearTerm {
+    let closed = state == State::Closed;
+    let corner = |i| if closed { at.closed_corner(i) } else { at.open_corner(i) };
+    let centre = |i| if closed { at.closed_centre(i) } else { at.open_centre(i) };
     let mut blocks = Vec::new();
     for (piece, corners) in mesh.pieces.iter().enumerate() {
         if let [a, b, c, d] = corners[..] {
@@ -207,7 +241,8 @@ fn fairness(mesh: &PieceMesh, at: &Unknowns, dimension: usize) -> LinearTerm {
             }
         }
     }
-    LinearTerm::new(if dimension == 2 { "fair-closed" } else { "fair-open" }, dimension, &blocks)
+    let (name, dimension) = if closed { ("fair-closed", at.closed_dimension) } else { ("fair-open", 3) };
+    LinearTerm::new(name, dimension, &blocks)
 }
 
 fn pack(meshes: &ControlMesh, scale: f64) -> Vec<f64> {

@@ -3,7 +3,7 @@
 //! The unknowns are those of [`super::pattern`]. The normals along which the two hinges of a corner stand apart
 //! are taken from the closed sheet before each phase and stay fixed while it runs.
 
-use super::control_mesh::Target;
+use super::control_mesh::{Target, Targets};
 use super::cover::Cover;
 use super::pattern::{Pattern, Unknowns, hinge_offsets, pack, places, unpack};
 use super::pattern_terms::{Softly, hard_terms, soft_terms};
@@ -157,11 +157,12 @@ pub fn stage3(
     let &Problem { cover, target, gap, weights } = problem;
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
-    let at = Unknowns { corners: mesh.corner_count };
+    let at = Unknowns { corners: mesh.corner_count, closed_dimension: 2 };
     let edges = mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
     let holds = border_holds(edges.map(|(e, _)| (at.open(e), border.open[e])), target, cover.boundary);
-    let softly = Softly { cover, target, holds: &holds, gap, weights, coupling: regime.coupling };
-    let mut systems = [System::new(places(cover)), System::new(places(cover))];
+    let targets = Targets { closed: None, open: target };
+    let softly = Softly { cover, targets, holds: &holds, gap, weights, coupling: regime.coupling };
+    let mut systems = [(); 2].map(|()| System::new(places(cover, at.closed_dimension)));
     let mut pattern = start;
     let mut reports = Vec::new();
     for (number, phase) in regime.phases.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Terms of whole pieces: congruent in both states, Eq. (7), and flat.
 
-use super::{PointAt, indices};
+use super::PointAt;
 use crate::geometry::Vector3;
 use crate::solver::Term;
 
@@ -16,7 +16,16 @@ pub struct PieceAt {
 impl PieceAt {
     fn unknowns(&self) -> Vec<usize> {
         let closed = self.closed.iter().flat_map(|(p, _)| p.indices());
-        closed.chain(self.open.iter().flat_map(|p| p.indices())).collect()
+        closed.chain(self.open_unknowns()).collect()
+    }
+
+    /// Whether the closed state lies in the plane.
+    fn is_flat(&self) -> bool {
+        self.closed[0].0.dimension == 2
+    }
+
+    fn open_unknowns(&self) -> impl Iterator<Item = usize> {
+        self.open.iter().flat_map(|p| p.indices())
     }
 }
 
@@ -74,17 +83,20 @@ impl Term for Isometry {
     }
 }
 
-/// Flat pieces stay flat to first order: the signed volumes spanned by vertices 0, 1, 2 and each further one
-/// vanish in the open state, as they do in a flat closed state. (The distances of Eq. (7) see a flat piece's
-/// bending to second order only.)
+/// Pieces keep their signed volumes: those spanned by vertices 0, 1, 2 and each further one are the same in both
+/// states, open minus closed. One residual per further vertex.
+///
+/// In a flat closed state they vanish, so that pieces stay flat. (The distances of Eq. (7) see a flat piece's bending
+/// to second order only, and do not tell a piece from its mirror image.)
 pub struct Planarity {
-    pieces: Vec<(Vec<PointAt>, Vec<usize>)>,
+    pieces: Vec<(PieceAt, Vec<usize>)>,
 }
 
 impl Planarity {
-    /// Over the open vertices of these pieces.
+    /// Over these pieces. Closed vertices in the plane do not count among the unknowns.
     pub fn new(pieces: &[PieceAt]) -> Self {
-        Self { pieces: pieces.iter().map(|piece| (piece.open.clone(), indices(&piece.open))).collect() }
+        let unknowns = |p: &PieceAt| if p.is_flat() { p.open_unknowns().collect() } else { p.unknowns() };
+        Self { pieces: pieces.iter().map(|piece| (piece.clone(), unknowns(piece))).collect() }
     }
 }
 
@@ -96,27 +108,37 @@ impl Term for Planarity {
         self.pieces.len()
     }
     fn rows(&self, b: usize) -> usize {
-        self.pieces[b].0.len() - 3
+        self.pieces[b].0.open.len() - 3
     }
     fn unknowns(&self, b: usize) -> &[usize] {
         &self.pieces[b].1
     }
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
-        let (points, unknowns) = &self.pieces[b];
-        let at = |k: usize| points[k].read(x);
-        let origin = at(0);
-        let (u, v) = (at(1) - origin, at(2) - origin);
-        for k in 3..points.len() {
-            let w = at(k) - origin;
-            residuals[k - 3] = u.cross(&v).dot(&w);
-            let slopes = [(1, v.cross(&w)), (2, w.cross(&u)), (k, u.cross(&v))];
+        let (piece, unknowns) = &self.pieces[b];
+        let n = piece.open.len();
+        let first_open = unknowns.len() - 3 * n;
+        for k in 3..n {
             let line = &mut jacobian[(k - 3) * unknowns.len()..][..unknowns.len()];
-            for (vertex, slope) in slopes {
-                for axis in 0..3 {
-                    line[3 * vertex + axis] += slope[axis];
-                    line[axis] -= slope[axis];
-                }
+            let (closed, open) = line.split_at_mut(first_open);
+            residuals[k - 3] = volume(k, |i| piece.open[i].read(x), 1.0, open);
+            if !piece.is_flat() {
+                let at = |i: usize| piece.closed[i].0.read(x) + piece.closed[i].1;
+                residuals[k - 3] -= volume(k, at, -1.0, closed);
             }
         }
     }
+}
+
+/// Six times the signed volume of the tetrahedron of points 0, 1, 2 and `k`. Adds its derivatives, times `sign`, to
+/// `line` (three entries per point).
+fn volume(k: usize, at: impl Fn(usize) -> Vector3, sign: f64, line: &mut [f64]) -> f64 {
+    let origin = at(0);
+    let [u, v, w] = [1, 2, k].map(|i| at(i) - origin);
+    for (vertex, slope) in [(1, v.cross(&w)), (2, w.cross(&u)), (k, u.cross(&v))] {
+        for axis in 0..3 {
+            line[3 * vertex + axis] += sign * slope[axis];
+            line[axis] -= sign * slope[axis];
+        }
+    }
+    u.cross(&v).dot(&w)
 }

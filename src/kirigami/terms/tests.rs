@@ -15,8 +15,13 @@ fn scattered(n: usize) -> Vec<f64> {
 }
 
 fn piece(n: usize) -> PieceAt {
-    let closed = (0..n).map(|i| (at(2 * i, 2), Vector3::new(0.1 * i as f64, -0.05, 0.0))).collect();
-    PieceAt { closed, open: (0..n).map(|i| at(2 * n + 3 * i, 3)).collect() }
+    piece_in(2, n)
+}
+
+/// A piece whose closed state has this dimension.
+fn piece_in(d: usize, n: usize) -> PieceAt {
+    let closed = (0..n).map(|i| (at(d * i, d), Vector3::new(0.1 * i as f64, -0.05, 0.0))).collect();
+    PieceAt { closed, open: (0..n).map(|i| at(d * n + 3 * i, 3)).collect() }
 }
 
 fn target() -> Target {
@@ -37,9 +42,12 @@ fn jacobians_agree_with_differences() {
     let mut terms: Vec<Box<dyn Term + '_>> = vec![
         Box::new(LinearTerm::new("fair", 3, &[vec![(at(0, 3), 1.0), (at(3, 3), -2.5), (at(9, 3), 1.5)]])),
         Box::new(OrthogonalDiagonals::new([inner(2, 0), inner(3, 8), border(2, 0), border(3, 8)])),
+        Box::new(CellDimensions::new([(inner(3, 0), inner(3, 12))], 0.7, 0.0)),
         Box::new(CellDimensions::new([(inner(2, 0), inner(3, 8)), (border(2, 0), border(3, 8))], 0.7, 0.05)),
         Box::new(Isometry::new(&[piece(4), piece(5)])),
         Box::new(Planarity::new(&[piece(4), piece(6)])),
+        Box::new(Isometry::new(&[piece_in(3, 4), piece_in(3, 5)])),
+        Box::new(Planarity::new(&[piece_in(3, 4), piece_in(3, 6)])),
         Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
         Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
         Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),
@@ -160,4 +168,33 @@ fn a_rigid_motion_has_no_isometry_residual() {
     assert!(residuals.iter().all(|r| r.abs() < 1e-14), "{residuals:?}");
     Planarity::new(&[piece]).evaluate(0, &x, &mut residuals[..1], &mut [0.0; 12]);
     assert!(residuals[0].abs() < 1e-14);
+}
+
+#[test]
+fn a_bent_piece_keeps_its_volume_in_a_rigid_motion_and_not_in_a_mirror() {
+    let mut piece = piece_in(3, 5);
+    piece.closed.iter_mut().for_each(|(_, offset)| *offset = Vector3::zeros());
+    let closed = scattered(15);
+    let turn = nalgebra::Rotation3::from_euler_angles(-1.1, 0.3, 0.8);
+    let moved = |flip: f64| -> Vec<f64> {
+        let points = closed.chunks(3).map(|p| turn * Vector3::new(p[0], p[1], flip * p[2]));
+        points.flat_map(|p| [p.x + 2.0, p.y - 1.0, p.z + 0.5]).collect()
+    };
+    let residuals = |open: Vec<f64>| {
+        let mut residuals = [[0.0; 10], [0.0; 10]];
+        let x = [closed.clone(), open].concat();
+        let terms: [Box<dyn Term>; 2] = [
+            Box::new(Isometry::new(std::slice::from_ref(&piece))),
+            Box::new(Planarity::new(std::slice::from_ref(&piece))),
+        ];
+        for (term, residuals) in terms.iter().zip(&mut residuals) {
+            let rows = term.rows(0);
+            term.evaluate(0, &x, &mut residuals[..rows], &mut vec![0.0; rows * 30]);
+        }
+        residuals.map(|r| r.iter().fold(0.0_f64, |m, v| m.max(v.abs())))
+    };
+    let [isometry, volume] = residuals(moved(1.0));
+    assert!(isometry < 1e-13 && volume < 1e-13, "{isometry} {volume}");
+    let [isometry, volume] = residuals(moved(-1.0));
+    assert!(isometry < 1e-13 && volume > 1.0, "{isometry} {volume}");
 }
