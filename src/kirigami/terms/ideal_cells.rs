@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point2, Point3, Vector2};
-use crate::kirigami::control_mesh::{LinearMap, Target, stage1};
+use crate::kirigami::control_mesh::{LinearMap, Target, Targets, stage1};
 use crate::kirigami::cover::{PieceSize, cover};
 use crate::kirigami::pattern::{Unknowns, initial_pattern, pack};
 use crate::kirigami::pattern_terms::{Softly, hard_terms, soft_terms};
@@ -33,13 +33,13 @@ fn rotating_rectangles_leave_no_residual() {
     let mesh = TriMesh { vertices, faces: vec![[0, 1, 2], [0, 2, 3]] };
     let pattern = initial_pattern(&cover, &stage1(&cover, &LinearMap::new(mesh.clone(), &outline)), 0.0);
     let target = Target::new(mesh, &[0, 1, 2, 3]);
-    let (at, scale) = (Unknowns { corners: cover.mesh.corner_count }, cover.cell.edge());
+    let (at, scale) = (Unknowns { corners: cover.mesh.corner_count, closed_dimension: 2 }, cover.cell.edge());
     let border = cover.mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
     let holds = border_holds(border.map(|(e, _)| (at.open(e), pattern.open[e])), &target, cover.boundary);
     let weights = Weights { corners: 0.0, ..Weights::default() };
     let softly = Softly {
         cover: &cover,
-        target: &target,
+        targets: Targets { closed: None, open: &target },
         holds: &holds,
         gap: 0.0,
         weights: &weights,
@@ -88,7 +88,7 @@ fn bistable_cells_snap_without_strain() {
         };
         let plane = closed.iter().flat_map(|p| [p.x, p.y]);
         let x: Vec<f64> = plane.chain(open.iter().flat_map(|p| [p.x, p.y, 0.7])).collect();
-        assert!(largest(&Isometry::new(&[piece.clone()]), &x) < 1e-15);
+        assert!(largest(&Isometry::new(std::slice::from_ref(&piece)), &x) < 1e-15);
         assert!(largest(&Planarity::new(&[piece]), &x) < 1e-15);
     }
     // Not so with any other growth.

@@ -10,7 +10,7 @@ use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::topology::disk;
 use kirimorph::geometry::{Point2, Point3, Vector2};
 use kirimorph::job::{Job, read_job};
-use kirimorph::kirigami::control_mesh::{ControlMesh, LinearMap, Target, stage1};
+use kirimorph::kirigami::control_mesh::{ControlMesh, LinearMap, Target, Targets, stage1};
 use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
 use kirimorph::kirigami::pattern::{self, Pattern, Unknowns, initial_pattern};
 use kirimorph::kirigami::pattern_terms::{Softly, hard_terms, soft_terms};
@@ -93,7 +93,7 @@ impl Problem {
         let cover = cover(&outline, &Vector2::x(), counts, stretches, GAP, None).unwrap();
         let control = stage1(&cover, &LinearMap::new(mesh.clone(), &points));
         let start = initial_pattern(&cover, &control, GAP);
-        let at = Unknowns { corners: cover.mesh.corner_count };
+        let at = Unknowns { corners: cover.mesh.corner_count, closed_dimension: 2 };
         let border = cover.mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
         let holds = border.map(|(e, _)| (at.open(e), Hold::Boundary)).collect();
         let target = Target::new(mesh.clone(), &cycle);
@@ -107,7 +107,7 @@ impl Problem {
 
     /// A place of each unknown of Stage 3.
     pub fn places(&self) -> Vec<[f64; 2]> {
-        pattern::places(&self.cover)
+        pattern::places(&self.cover, 2)
     }
 
     /// The unknowns of Stage 3 at its start.
@@ -118,11 +118,18 @@ impl Problem {
     /// The terms of Stage 3.
     pub fn terms(&self, which: Terms) -> Vec<Weighted<'_>> {
         let Self { cover, target, start, holds, stage3: weights, .. } = self;
-        let at = Unknowns { corners: cover.mesh.corner_count };
+        let at = Unknowns { corners: cover.mesh.corner_count, closed_dimension: 2 };
         let mut terms = hard_terms(&cover.mesh, &at, &start.offsets, cover.cell.edge());
         let coupling = if which == Terms::SoftByPlace { Coupling::ByPlace } else { Coupling::Full };
         if which != Terms::Hard {
-            let softly = Softly { cover, target, holds, gap: GAP, weights, coupling };
+            let softly = Softly {
+                cover,
+                targets: Targets { closed: None, open: target },
+                holds,
+                gap: GAP,
+                weights,
+                coupling,
+            };
             terms.extend(soft_terms(&softly, &at, &Phase { soft: 1.0, fair: 1.0, options: fixed(1) }));
         }
         terms
