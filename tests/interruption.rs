@@ -216,9 +216,9 @@ fn a_pattern_that_does_not_fit_into_memory_is_refused_before_the_optimisation() 
         ControlFlow::Continue(())
     };
     let mut clock = Clock::new(&mut watch);
-    clock.memory = Some(20 << 20);
+    clock.memory = Some(1 << 24);
     let Err(PipelineError::Memory(refused)) = design(&job, &mut clock) else { panic!("not refused") };
-    assert_eq!((refused.pieces, refused.free), (400, 20 << 20));
+    assert_eq!((refused.pieces, refused.free), (400, 1 << 24));
     assert!(refused.most > 0 && refused.most < 400);
     drop(clock);
     assert_eq!(stages, ["read", "read", "stage-1", "stage-1"]);

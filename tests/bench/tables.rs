@@ -20,7 +20,7 @@ const CERES: [[f64; 3]; 3] = [[0.10, 0.081, 0.033], [1.6, 1.4, 0.49], [26.0, 44.
 /// Steps that the minimum is taken of; two where each takes seconds.
 const STEPS: [usize; 3] = [10, 4, 2];
 
-/// Beyond this number of pieces a side the other solver's factor of the fully coupled terms needs some 20 GiB.
+/// Beyond this number of pieces a side the other solver's factor of the fully coupled terms may not fit into memory.
 const MOST_FOR_PEER: usize = 100;
 
 fn main() {
