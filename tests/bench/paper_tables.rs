@@ -53,7 +53,11 @@ fn main() {
         ("(a) flat sheet to dome", Problem::dome(SIDE)),
         ("(b) paraboloid to waved roof", Problem::paraboloid_to_roof(SIDE)),
     ] {
-        for (weights, course) in [("the paper's weights", Course::paper()), ("our weights", Course::ours())] {
+        for (weights, course) in [
+            ("the paper's weights", Course::paper()),
+            ("our weights", Course::ours()),
+            ("our weights, until stagnation", Course::to_stagnation()),
+        ] {
             let runs: Vec<Solved> = (0..RUNS).map(|_| solve(&problem, &course)).collect();
             println!("\n### {name}, {weights}\n");
             let mesh = &problem.cover.mesh;

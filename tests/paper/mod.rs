@@ -38,6 +38,13 @@ pub struct Course {
     pub stage2: stage2::Weights,
     pub stage3: stage3::Weights,
     pub soft: Vec<(usize, f64, f64)>,
+    /// Coupling of Stage 3's fairness.
+    pub coupling: Coupling,
+    /// Precision of Stage 2's factorisation; that of Stage 3's soft phase is single.
+    pub precision: Precision,
+    /// Whether phases also end when a step lowers the energy by less than a hundredth (the hard one: by less than half,
+    /// or at rounding level).
+    pub stagnation: bool,
 }
 
 impl Course {
@@ -57,6 +64,9 @@ impl Course {
                 widths: 0.0,
             },
             soft: vec![(STEPS, 1.0, 1.0)],
+            coupling: Coupling::Full,
+            precision: Precision::Double,
+            stagnation: false,
         }
     }
 
@@ -66,7 +76,29 @@ impl Course {
             stage2: stage2::Weights::default(),
             stage3: stage3::Weights::default(),
             soft: vec![(5, 1.0, 1.0), (3, 2.0, 0.2), (2, 2.0, 0.04)],
+            coupling: Coupling::ByPlace,
+            precision: Precision::Single,
+            stagnation: false,
         }
+    }
+
+    /// The program's, stopping on stagnation.
+    pub fn to_stagnation() -> Self {
+        Self { soft: vec![(STEPS, 1.0, 0.1), (STEPS, 0.5, 0.01)], stagnation: true, ..Self::ours() }
+    }
+
+    fn options(&self, iterations: usize, precision: Precision, damping: f64) -> Options {
+        // Without stagnation closest points, new after each step, may raise the energy: that must not stop it either.
+        let energy_tolerance = if self.stagnation { 1e-2 } else { f64::NEG_INFINITY };
+        Options { iterations, energy_tolerance, precision, damping, ..Options::default() }
+    }
+
+    fn hard_options(&self) -> Options {
+        let options = self.options(STEPS, Precision::Double, 1e-6);
+        if !self.stagnation {
+            return options;
+        }
+        Options { energy_tolerance: 0.5, energy_floor: 1e-24, ..options }
     }
 }
 
@@ -167,12 +199,6 @@ pub struct Solved {
     pub open: Vec<Point3>,
 }
 
-/// A fixed number of steps. Closest points are new after each, and may raise the energy: that must not stop it either.
-fn options(iterations: usize, precision: Precision, damping: f64) -> Options {
-    let energy_tolerance = f64::NEG_INFINITY;
-    Options { iterations, energy_tolerance, precision, damping, ..Options::default() }
-}
-
 fn minimize(system: &mut System, mut terms: Vec<Weighted>, x: &mut [f64], options: &Options) -> Report {
     system.minimize(&mut terms, x, options, &mut |_: &Step| ControlFlow::Continue(()))
 }
@@ -220,7 +246,7 @@ fn second(problem: &Problem, course: &Course) -> (Report, [Vec<Point3>; 2]) {
     start[1].iter().for_each(|p| write(&mut x, p, 3));
     let terms = stage2::terms(cover, &start[1], problem.targets(), &at, 0.0, &course.stage2);
     let mut system = System::new(stage2::places(cover, closed_dimension));
-    let report = minimize(&mut system, terms, &mut x, &options(STEPS, Precision::Double, 1e-4));
+    let report = minimize(&mut system, terms, &mut x, &course.options(STEPS, course.precision, 1e-4));
     let closed = (0..corners).map(|c| read(&x, at.closed_corner(c))).collect();
     (report, [closed, (0..corners).map(|c| read(&x, at.open_corner(c))).collect()])
 }
@@ -250,13 +276,13 @@ fn third(
         holds: &holds,
         gap: 0.0,
         weights: &course.stage3,
-        coupling: Coupling::Full,
+        coupling: course.coupling,
     };
     let offsets = vec![Vector2::zeros(); mesh.edges.len()];
     let mut system = System::new(pattern::places(cover, closed_dimension));
     let (mut soft, mut reason) = (Energies::new(), "");
     for &(steps, factor, fair) in &course.soft {
-        let phase = Phase { soft: factor, fair, options: options(steps, Precision::Single, 1e-4) };
+        let phase = Phase { soft: factor, fair, options: course.options(steps, Precision::Single, 1e-4) };
         let mut terms = hard_terms(mesh, &at, &offsets, 1.0);
         terms.extend(soft_terms(&softly, &at, &phase));
         let report = minimize(&mut system, terms, &mut x, &phase.options);
@@ -268,7 +294,7 @@ fn third(
     let clock = Instant::now();
     let mut system = System::new(pattern::places(cover, closed_dimension));
     let terms = hard_terms(mesh, &at, &offsets, 1.0);
-    let report = minimize(&mut system, terms, &mut x, &options(STEPS, Precision::Double, 1e-6));
+    let report = minimize(&mut system, terms, &mut x, &course.hard_options());
     let hard = (energies(&report), clock.elapsed().as_secs_f64(), report.termination.reason());
     ([soft, hard], x)
 }
