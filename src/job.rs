@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::kirigami::cover::{Boundary, PieceSize};
 use crate::kirigami::design::PatternKind;
+pub use crate::kirigami::pattern::Opening;
 use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
@@ -39,14 +40,28 @@ pub struct Job {
 /// The surfaces of the two states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Target {
-    /// What the open sheet takes on. This version: a mesh.
+    /// What the open sheet takes on.
     pub open: Shape,
-    /// What the closed sheet takes on. This version: flat.
+    /// What the closed sheet takes on: flat or a mesh. At least one of both is a mesh.
     pub closed: Shape,
     /// Unit of the mesh files' coordinates.
     pub units: Units,
-    /// Largest extent of the target in millimetres after scaling; `None` leaves the mesh's own size.
+    /// Largest extent in millimetres, after scaling, of the open target, or of the closed one where that is the only
+    /// mesh; `None` leaves the mesh's own size. Both meshes are scaled alike.
     pub size: Option<f64>,
+    /// Largest extent of the closed target, where that is to be scaled by itself.
+    pub closed_size: Option<f64>,
+}
+
+impl Target {
+    /// The mesh files, the one that [`Target::size`] is meant for first.
+    pub fn meshes(&self) -> Vec<&Path> {
+        let path = |shape| match shape {
+            &Shape::Mesh(ref path) => Some(path.as_path()),
+            Shape::Flat | Shape::Free => None,
+        };
+        [&self.open, &self.closed].into_iter().filter_map(path).collect()
+    }
 }
 
 /// A surface that a state takes on.
@@ -54,6 +69,8 @@ pub struct Target {
 pub enum Shape {
     /// The plane.
     Flat,
+    /// Whatever the pieces make of it.
+    Free,
     /// The surface in a mesh file; absolute path.
     Mesh(PathBuf),
 }
@@ -93,6 +110,8 @@ pub struct Pattern {
     /// Open-state stretches m1 and m2 along the grid's first and second direction (the paper's principal stretches,
     /// Eq. (1)). They satisfy 1/m1 + 1/m2 = sqrt 2 exactly: what the file gives within 0.1 % is scaled onto it.
     pub stretches: [f64; 2],
+    /// How far the pieces turn.
+    pub opening: Opening,
     /// How the pattern meets the target's outline; `None` for what fits it.
     pub boundary: Option<Boundary>,
     /// Distance between the two hinge points of an inner corner, millimetres; 0 is the paper's model.
@@ -109,9 +128,10 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 12] = [
+pub const DEFAULTS: [(&str, &str); 13] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
+    ("target.closed_size_mm", "scaled as the open target is"),
     ("pattern.stretches", "[1.41421356, 1.41421356]"),
     ("pattern.boundary", "\"glide\" where the outline has four corners, else \"trimmed\""),
     ("pattern.gap_mm", "the profile's ligament width plus kerf"),

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 
 use super::progress::{Reporter, Reporting};
 use super::{Failure, Optimisation, events, interrupt, partial, print};
-use crate::job::{Job, Shape, read_job};
+use crate::job::read_job;
 use crate::kirigami::feasibility::{Feasibility, Verdict};
 use crate::memory;
 use crate::output::design_json::{self, DesignFile, Provenance, WriteDesignError};
 use crate::output::partial_json;
 use crate::output::stretch_map::{self, StretchMap};
 use crate::output::whole_file::write_whole;
-use crate::pipeline::{Clock, PipelineError, Prediction, Progress, fingerprints, placed_design, predict};
+use crate::pipeline::{Clock, PipelineError, Prediction, Progress, placed_design, predict, source_hashes};
 
 /// What the user asks for.
 pub struct Options {
@@ -74,13 +74,14 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     }
     let designed =
         placed_design(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &partial_hashes))?;
-    let hashes = fingerprints(&[("job", &options.job), ("target", target(&job))]);
+    let hashes = source_hashes(&job, &options.job);
+    let target = job.target.meshes()[0].to_string_lossy();
     let design = DesignFile {
         design: &designed.design,
         quality: &designed.quality,
         stages: &designed.stages,
         max_strain: None,
-        provenance: Provenance { job: &name, target: &target(&job).to_string_lossy(), hashes: &hashes },
+        provenance: Provenance { job: &name, target: &target, hashes: &hashes },
     };
     write_whole::<WriteDesignError>(&file, |out| design_json::write(&design, out))
         .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
@@ -112,13 +113,6 @@ pub fn run(options: &Options) -> Result<(), Failure> {
 
 fn failure(error: PipelineError) -> Failure {
     if error.is_bad_input() { Failure::bad_input(error) } else { Failure::NotMakeable(error.to_string()) }
-}
-
-fn target(job: &Job) -> &Path {
-    match &job.target.open {
-        Shape::Mesh(path) => path,
-        Shape::Flat => Path::new("flat"),
-    }
 }
 
 fn write_map(prediction: &Prediction, name: &str, path: &Path, html: bool) -> Result<(), Failure> {

@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::{Failure, Optimisation, events, interrupt, partial, print};
-use crate::job::{Job, Shape, read_job};
+use crate::job::{Job, read_job};
 use crate::memory;
 use crate::output::design_json::{self, DesignFile, Provenance};
 use crate::output::folder::{FILE_NAMES, FolderError, OutputFolder};
 use crate::output::preview::{self, Preview};
 use crate::output::{dxf, hinge_report, partial_json, svg};
-use crate::pipeline::{Clock, Made, Progress, Timings, fingerprints, make};
+use crate::pipeline::{Clock, Made, Progress, Timings, make, source_hashes};
 
 /// Runs the job and writes its results, all or none.
 pub fn run(
@@ -89,15 +89,10 @@ struct Input<'a> {
 }
 
 impl Input<'_> {
-    fn target(&self) -> &Path {
-        match &self.job.target.open {
-            Shape::Mesh(path) => path,
-            Shape::Flat => Path::new("flat"),
-        }
-    }
-
+    /// The file names of the target meshes.
     fn target_name(&self) -> String {
-        self.target().file_name().unwrap_or_default().to_string_lossy().into_owned()
+        let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.job.target.meshes().into_iter().map(name).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -130,8 +125,7 @@ write_error_from!(
 fn write_results(input: &Input, made: &Made, out: &OutputFolder) -> Result<(), WriteError> {
     let Made { fabrication, quality, stages } = made;
     let profile = &input.job.fabrication.profile;
-    let hashes: BTreeMap<String, String> =
-        fingerprints(&[("job", input.job_file), ("target", input.target())]);
+    let hashes = source_hashes(input.job, input.job_file);
     let summary = hinge_report::summary(&fabrication.hinges);
     let design = DesignFile {
         design: &fabrication.design,

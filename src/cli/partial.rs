@@ -4,20 +4,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::Failure;
-use crate::job::{Job, Shape};
+use crate::job::Job;
 use crate::output::folder::OutputFolder;
 use crate::output::partial_json::{self, FILE_NAME, Partial};
-use crate::pipeline::{self, PipelineError, fingerprint, fingerprints};
+use crate::pipeline::{self, PipelineError, fingerprint, source_hashes};
 use crate::solver::Journal;
 
 /// Hashes of all that decides about the optimisation, by name: the job, its target, and the profile, whose
 /// ligament and kerf decide about the hinges' places.
 pub fn hashes(job: &Job, job_file: &Path) -> BTreeMap<String, String> {
-    let mut files = vec![("job", job_file)];
-    if let Shape::Mesh(target) = &job.target.open {
-        files.push(("target", target));
-    }
-    let mut hashes = fingerprints(&files);
+    let mut hashes = source_hashes(job, job_file);
     let profile = format!("{:?}", job.fabrication.profile);
     hashes.insert("profile".to_owned(), fingerprint(profile.as_bytes()));
     hashes

@@ -119,6 +119,32 @@ pub fn triangulate(mesh: &PolyMesh, scale: f64) -> Result<Surface, TriangulateEr
     Ok(surface)
 }
 
+/// Splits every face of more than three corners from the mean of its corners, however flat it is: meshes that have the
+/// same faces then have the same triangles.
+///
+/// # Errors
+/// Those of [`triangulate`].
+pub fn triangulate_from_centres(mesh: &PolyMesh, scale: f64) -> Result<Surface, TriangulateError> {
+    // For its checks.
+    triangulate(mesh, scale)?;
+    let mut surface = used_vertices(mesh, scale)?;
+    for (face, polygon) in mesh.faces.iter().enumerate() {
+        let number = |old: &usize| surface.vertex_of.binary_search(old).expect("used");
+        let polygon: Vec<usize> = polygon.iter().map(number).collect();
+        let n = polygon.len();
+        if n == 3 {
+            surface.mesh.faces.push([polygon[0], polygon[1], polygon[2]]);
+        } else {
+            let centre = polygon.iter().map(|&v| surface.mesh.vertices[v].coords).sum::<Vector3>() / n as f64;
+            let middle = surface.mesh.vertices.len();
+            surface.mesh.vertices.push(Point3::from(centre));
+            surface.mesh.faces.extend((0..n).map(|i| [polygon[i], polygon[(i + 1) % n], middle]));
+        }
+        surface.face_of.resize(surface.mesh.faces.len(), face);
+    }
+    Ok(surface)
+}
+
 /// Faces whose corners lie further off their mean plane than this part of their size are warped: about the rounding of a
 /// file with seven digits, far below what can be seen.
 const WARPED: f64 = 1e-7;

@@ -7,7 +7,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::solver::{RawSolver, solver};
-use super::{Boundary, DxfVersion, Fabrication, Job, JobError, Pattern, PieceSize, Shape, Target, Units};
+use super::{
+    Boundary, DxfVersion, Fabrication, Job, JobError, Opening, Pattern, PieceSize, Shape, Target, Units,
+};
 use crate::kirigami::design::PatternKind;
 use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
 use crate::toml_source::{Limits, TomlError, TomlSource};
@@ -28,8 +30,7 @@ const GAP: Limits = Limits::new(0.0, 100.0, "mm", "ligament width plus slit widt
 /// How far 1/m1 + 1/m2 may be from sqrt 2, relative: four typed digits fit.
 const STRETCH_TOLERANCE: f64 = 1.0e-3;
 
-const THIS_VERSION: &str =
-    "this version makes rotating rectangles, laser-cut, from a flat closed sheet to a mesh";
+const THIS_VERSION: &str = "this version makes rotating rectangles, laser-cut";
 
 /// Keys that the job format foresees and this version does not make.
 const NOT_BUILT: [&str; 10] = [
@@ -65,6 +66,7 @@ struct RawTarget {
     closed: Spanned<String>,
     units: Option<Spanned<String>>,
     size_mm: Option<Spanned<f64>>,
+    closed_size_mm: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -103,19 +105,42 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let pieces = pieces(&source, &raw.pattern)?;
     let stretches = stretches(&source, raw.pattern.get_ref().stretches.as_ref())?;
     let boundary = boundary(&source, raw.pattern.get_ref().boundary.as_ref())?;
+    let opening = opening(&source, raw.pattern.get_ref(), &target)?;
     let gap = source.optional(raw.pattern.get_ref().gap_mm.as_ref(), &GAP)?;
     let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
-    let pattern = Pattern { kind, pieces, stretches, boundary, gap };
-    Ok(Job { folder, target, pattern, fabrication, solver: solver(&source, &raw.solver)? })
+    let pattern = Pattern { kind, pieces, stretches, opening, boundary, gap };
+    let solver = solver(&source, &raw.solver, opening)?;
+    Ok(Job { folder, target, pattern, fabrication, solver })
 }
 
 fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target, TomlError> {
-    if raw.closed.get_ref() != "flat" {
-        return Err(not_built(source, &raw.closed, "\"flat\""));
+    let open = match raw.open.get_ref().as_str() {
+        "flat" => Shape::Flat,
+        "free" => Shape::Free,
+        _ => Shape::Mesh(mesh_path(source, &raw.open, folder)?),
+    };
+    let closed = match raw.closed.get_ref().as_str() {
+        "flat" => Shape::Flat,
+        "free" => {
+            let help = "form finding opens a given closed sheet: closed = \"PATH\", open = \"free\"";
+            return Err(source.value_error(
+                raw.closed.span(),
+                "not known: allowed is \"flat\" or a mesh file",
+                help,
+            ));
+        }
+        _ => Shape::Mesh(mesh_path(source, &raw.closed, folder)?),
+    };
+    if closed == Shape::Flat && !matches!(open, Shape::Mesh(_)) {
+        let help = "one of the two states must be a mesh file; a flat sheet with an outline of your own is a mesh too";
+        return Err(source.value_error(raw.open.span(), "not possible where closed = \"flat\"", help));
     }
-    if ["flat", "free"].contains(&raw.open.get_ref().as_str()) {
-        return Err(not_built(source, &raw.open, "the path of a mesh file"));
+    if let (Some(size), false) =
+        (&raw.closed_size_mm, matches!((&open, &closed), (Shape::Mesh(_), Shape::Mesh(_))))
+    {
+        let help = "it scales the closed target apart from the open one; with one mesh use size_mm";
+        return Err(source.error(size.span(), "closed_size_mm needs two meshes", help));
     }
     let units = choice(
         source,
@@ -128,10 +153,11 @@ fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target,
         ],
     )?;
     Ok(Target {
-        open: Shape::Mesh(mesh_path(source, &raw.open, folder)?),
-        closed: Shape::Flat,
+        open,
+        closed,
         units: units.unwrap_or(Units::Millimetres),
         size: source.optional(raw.size_mm.as_ref(), &SIZE)?,
+        closed_size: source.optional(raw.closed_size_mm.as_ref(), &SIZE)?,
     })
 }
 
@@ -152,13 +178,25 @@ fn mesh_path(source: &TomlSource, value: &Spanned<String>, folder: &Path) -> Res
 }
 
 fn kind(source: &TomlSource, raw: &RawPattern) -> Result<PatternKind, TomlError> {
-    if let Some(opening) = raw.opening.as_ref().filter(|opening| opening.get_ref() != "full") {
-        return Err(not_built(source, opening, "\"full\""));
-    }
     match raw.kind.get_ref().as_str() {
         "rotating-rectangles" => Ok(PatternKind::RotatingRectangles),
         _ => Err(not_built(source, &raw.kind, "\"rotating-rectangles\"")),
     }
+}
+
+fn opening(source: &TomlSource, raw: &RawPattern, target: &Target) -> Result<Opening, TomlError> {
+    let words = [("full", Opening::Full), ("variable", Opening::Variable)];
+    let Some(value) = &raw.opening else { return Ok(Opening::Full) };
+    let opening = choice(source, Some(value), &words)?.unwrap_or(Opening::Full);
+    if opening == Opening::Variable && !matches!(target.open, Shape::Mesh(_)) {
+        let help = "how far each piece opens follows from the open target: open = \"PATH\"";
+        return Err(source.value_error(value.span(), "not possible without an open target", help));
+    }
+    if let (Opening::Variable, Some(stretches)) = (opening, &raw.stretches) {
+        let help = "they follow from the map between the two states; leave stretches out";
+        return Err(source.error(stretches.span(), "stretches do not go with opening = \"variable\"", help));
+    }
+    Ok(opening)
 }
 
 fn pieces(source: &TomlSource, raw: &Spanned<RawPattern>) -> Result<PieceSize, TomlError> {

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::kirigami::pattern::Opening;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -13,6 +14,19 @@ pub struct Solver {
     pub stage2: stage2::Weights,
     /// `[solver.stage-3]`
     pub stage3: stage3::Weights,
+}
+
+impl Solver {
+    /// The defaults. Where the opening varies there is no constant mean stretch to ask for, and the paper leaves out
+    /// fairness: it would make openings alike.
+    pub fn of(opening: Opening) -> Self {
+        let mut solver = Self::default();
+        if opening == Opening::Variable {
+            solver.stage2.geom = 0.0;
+            solver.stage3 = stage3::Weights { fair: 0.0, opening: 0.0, sides: 0.0, ..solver.stage3 };
+        }
+        solver
+    }
 }
 
 const WEIGHT: Limits = Limits::new(
@@ -57,8 +71,8 @@ struct RawStage3 {
 }
 
 /// The weights with the file's in place of the defaults.
-pub(super) fn solver(source: &TomlSource, raw: &RawSolver) -> Result<Solver, TomlError> {
-    let mut solver = Solver::default();
+pub(super) fn solver(source: &TomlSource, raw: &RawSolver, opening: Opening) -> Result<Solver, TomlError> {
+    let mut solver = Solver::of(opening);
     let (weights2, weights3) = (&mut solver.stage2, &mut solver.stage3);
     let (raw2, raw3) = (&raw.stage2, &raw.stage3);
     for (weight, value) in [

@@ -76,8 +76,8 @@ impl ModelCell {
 pub struct Cover {
     /// Which cells there are and how they connect.
     pub mesh: PieceMesh,
-    /// Grid position (column, row) of each corner.
-    pub positions: Vec<[i32; 2]>,
+    /// Place of each corner on the grid: (column, row).
+    pub places: Vec<[f64; 2]>,
     /// Each corner in the plane of the flattening.
     pub corners: Vec<Point2>,
     /// Each piece's centre in the plane of the flattening.
@@ -140,6 +140,29 @@ pub const MOST_PIECES: usize = 1_000_000;
 /// side.
 const LEAST_SIDE_IN_GAPS: f64 = 4.0;
 
+fn check_gap(cell: &ModelCell, gap: f64) -> Result<(), CoverError> {
+    let least = LEAST_SIDE_IN_GAPS * gap;
+    if cell.open <= 0.0 || cell.closed.iter().any(|&side| side < least) {
+        return Err(CoverError::GapTooWide { edge: cell.edge(), gap, least });
+    }
+    Ok(())
+}
+
+impl Cover {
+    /// Checks that the closed cells have room for a gap between the hinge points of their corners.
+    ///
+    /// # Errors
+    /// [`CoverError::GapTooWide`].
+    pub fn check_gap(&self, gap: f64) -> Result<(), CoverError> {
+        check_gap(&self.cell, gap)
+    }
+}
+
+/// Of the four directions of an outline's smallest bounding rectangle the one that comes nearest to `first`.
+pub fn grid_axis(outline: &[Point2], first: &Vector2) -> Vector2 {
+    Frame::smallest_rectangle(outline, first).axis
+}
+
 /// Lays the grid. `outline` is the flattened boundary, counter-clockwise; `first` the direction in the plane
 /// that the grid's first axis should come nearest to; `boundary` the asked boundary, `None` for the one that fits
 /// the outline: gliding where it has four corners, else trimmed.
@@ -161,10 +184,7 @@ pub fn cover(
         PieceSize::Edge(edge) => ModelCell::from_edge(edge, stretches, gap).open,
     };
     let cell = ModelCell::from_open(open, stretches, gap);
-    let least = LEAST_SIDE_IN_GAPS * gap;
-    if open <= 0.0 || cell.closed.iter().any(|&side| side < least) {
-        return Err(CoverError::GapTooWide { edge: cell.edge(), gap, least });
-    }
+    check_gap(&cell, gap)?;
     let wanted = frame.size.x * frame.size.y / (open * open);
     if wanted > MOST_PIECES as f64 {
         return Err(CoverError::TooMany { pieces: wanted, limit: MOST_PIECES });
@@ -184,7 +204,7 @@ pub fn cover(
             let boundary = boundary.unwrap_or(Boundary::Glide);
             let mut cover = fitted(&sides, counts, cell, boundary);
             if boundary == Boundary::FixedCorners {
-                cover.tips = tips(&cover.positions, counts, &sides, outline);
+                cover.tips = tips(&cover.places, counts, &sides, outline);
             }
             cover
         }
@@ -307,14 +327,15 @@ fn fitted(sides: &[Vec<Point2>; 4], [nx, ny]: [i32; 2], cell: ModelCell, boundar
 
 /// The four corners of a grid that follows the outline, each with its point of the outline: the start of a side.
 fn tips(
-    positions: &[[i32; 2]],
-    [nx, ny]: [i32; 2],
+    places: &[[f64; 2]],
+    counts: [i32; 2],
     sides: &[Vec<Point2>; 4],
     outline: &[Point2],
 ) -> Vec<(usize, usize)> {
-    let ends = [[0, 0], [nx, 0], [nx, ny], [0, ny]];
-    let pair = |(end, side): (&[i32; 2], &Vec<Point2>)| {
-        let corner = positions.iter().position(|position| position == end)?;
+    let [nx, ny] = counts.map(f64::from);
+    let ends = [[0.0, 0.0], [nx, 0.0], [nx, ny], [0.0, ny]];
+    let pair = |(end, side): (&[f64; 2], &Vec<Point2>)| {
+        let corner = places.iter().position(|place| place == end)?;
         Some((corner, outline.iter().position(|p| *p == side[0])?))
     };
     ends.iter().zip(sides).filter_map(pair).collect()
@@ -324,7 +345,8 @@ fn build(cells: &[[i32; 2]], at: impl Fn(f64, f64) -> Point2, cell: ModelCell, b
     let (mesh, positions) = PieceMesh::from_cells(cells);
     let corners = positions.iter().map(|&[i, j]| at(f64::from(i), f64::from(j))).collect();
     let centres = cells.iter().map(|&[i, j]| at(f64::from(i) + 0.5, f64::from(j) + 0.5)).collect();
-    Cover { mesh, positions, corners, centres, cell, boundary, tips: Vec::new() }
+    let places = positions.iter().map(|place| place.map(f64::from)).collect();
+    Cover { mesh, places, corners, centres, cell, boundary, tips: Vec::new() }
 }
 
 fn length(line: &[Point2]) -> f64 {
@@ -379,8 +401,8 @@ mod tests {
             assert!((cover.cell.open - 2.0).abs() < 1e-9);
             assert!((cover.cell.edge() - SQRT_2).abs() < 1e-9);
             // The grid's first axis is the asked one.
-            let at = |position| cover.corners[cover.positions.iter().position(|&p| p == position).unwrap()];
-            assert!(((at([15, 0]) - at([0, 0])).normalize() - first).norm() < 1e-9);
+            let at = |place| cover.corners[cover.places.iter().position(|&p| p == place).unwrap()];
+            assert!(((at([15.0, 0.0]) - at([0.0, 0.0])).normalize() - first).norm() < 1e-9);
         }
     }
 

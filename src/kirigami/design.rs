@@ -11,6 +11,16 @@ pub enum State {
     Open,
 }
 
+impl State {
+    /// The one that this is not.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Closed => Self::Open,
+            Self::Open => Self::Closed,
+        }
+    }
+}
+
 /// The families of cut patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PatternKind {
@@ -30,6 +40,16 @@ pub struct Piece {
     pub closed: Vec<Point3>,
     /// Vertices in the open state, millimetres.
     pub open: Vec<Point3>,
+}
+
+impl Piece {
+    /// Its vertices in a state.
+    pub fn vertices(&self, state: State) -> &[Point3] {
+        match state {
+            State::Closed => &self.closed,
+            State::Open => &self.open,
+        }
+    }
 }
 
 /// A hinge between two pieces.
@@ -62,7 +82,7 @@ pub struct Design {
     pub sheet_state: Option<State>,
     /// Distance between the two hinge points of an inner corner, across the slit that passes between them.
     pub gap: f64,
-    /// Corner midpoints m in the sheet state's frame: inner hinge points stand at m ± (gap/2) n.
+    /// Corner midpoints m of the closed state: inner closed hinge points stand at m ± (gap/2) n.
     pub corners: Vec<Point3>,
     /// The rigid pieces.
     pub pieces: Vec<Piece>,

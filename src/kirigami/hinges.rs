@@ -3,51 +3,49 @@
 use super::design::{Design, Hinge, PatternKind, Piece, State};
 use super::pattern::Pattern;
 use super::piece_mesh::PieceMesh;
+use crate::geometry::Vector3;
 use crate::geometry::rotation::{RigidMotion, axis_angle};
-use crate::geometry::{Point3, Vector3};
 
-/// Assembles the design of a sheet that is flat in its closed state: pieces in the pattern's order, one hinge
-/// per inner edge in the edges' order.
-pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64) -> Design {
+/// Assembles the design: pieces in the pattern's order, one hinge per inner edge in the edges' order. Without a sheet state
+/// the closed one is the frame of reference.
+pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64, sheet_state: Option<State>) -> Design {
     let pieces: Vec<Piece> = mesh
         .pieces
         .iter()
         .zip(&mesh.owned)
         .map(|(corners, owned)| Piece {
             corners: corners.clone(),
-            closed: owned
-                .iter()
-                .map(|&e| {
-                    let p = pattern.closed_hinge(mesh, e);
-                    Point3::new(p.x, p.y, 0.0)
-                })
-                .collect(),
+            closed: owned.iter().map(|&e| pattern.closed_hinge(mesh, e)).collect(),
             open: owned.iter().map(|&e| pattern.open[e]).collect(),
         })
         .collect();
-    let motions: Vec<RigidMotion> = pieces.iter().map(|p| RigidMotion::fit(&p.closed, &p.open)).collect();
+    let reference = sheet_state.unwrap_or(State::Closed);
+    let motions: Vec<RigidMotion> = pieces
+        .iter()
+        .map(|piece| RigidMotion::fit(piece.vertices(reference), piece.vertices(reference.other())))
+        .collect();
     let hinges = (0..mesh.edges.len())
         .filter_map(|e| {
             let edge = &mesh.edges[e];
             let (j, k) = (edge.piece, edge.neighbour?);
             let vertices = [j, k].map(|piece| mesh.vertex_of(piece, e));
             let (axis, angle) = relative_turn(&motions[j], &motions[k]);
-            let point = pieces[j].closed[vertices[0]];
+            let point = pieces[j].vertices(reference)[vertices[0]];
             Some(Hinge { pieces: [j, k], vertices, point, axis, angle })
         })
         .collect();
     Design {
         pattern: PatternKind::RotatingRectangles,
-        sheet_state: Some(State::Closed),
+        sheet_state,
         gap,
-        corners: pattern.corners.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect(),
+        corners: pattern.corners.clone(),
         pieces,
         hinges,
     }
 }
 
 /// Axis and angle of the rotation `A_j^-1 A_k`: seen from piece j, piece k turns by the angle about the axis,
-/// from the closed to the open state. A hinge that does not turn gets the sheet's normal as its axis.
+/// from the sheet state to the other. A hinge that does not turn gets the sheet's normal as its axis.
 pub fn relative_turn(motion_j: &RigidMotion, motion_k: &RigidMotion) -> (Vector3, f64) {
     let (axis, angle) = axis_angle(&(motion_j.rotation.transpose() * motion_k.rotation));
     (axis.unwrap_or_else(Vector3::z), angle)
@@ -56,6 +54,7 @@ pub fn relative_turn(motion_j: &RigidMotion, motion_k: &RigidMotion) -> (Vector3
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point3;
     use nalgebra::Rotation3;
 
     #[test]

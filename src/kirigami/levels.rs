@@ -4,14 +4,14 @@
 //! Stage 1 map is a smooth function on the flattened target; added to the Stage 1 map of the finer grid it gives
 //! a start that is wrong in details only, and these are found in a few steps.
 
-use super::control_mesh::{ControlMesh, LinearMap, Target, stage1};
+use super::control_mesh::{ControlMesh, Goals, Layouts, LinearMap, stage1};
 use super::cover::Cover;
-use super::pattern::{Pattern, initial_pattern};
+use super::pattern::{Opening, Pattern, initial_pattern};
 use super::stage2::stage2;
 use super::stage3::{Problem, Regime, stage3};
 use super::{stage2 as second, stage3 as third};
 use crate::geometry::mesh::TriMesh;
-use crate::geometry::{Point3, Vector2, Vector3};
+use crate::geometry::{Point3, Vector3};
 use crate::solver::{Options, Report, Run, Step, Termination};
 
 /// A grid with the gap between its hinge points.
@@ -29,10 +29,12 @@ pub const COARSEST: usize = 400;
 pub struct Climb<'a> {
     /// The grids, the coarsest first.
     pub levels: &'a [Level],
-    /// The inverse of the target's flattening.
-    pub lift: &'a LinearMap,
-    /// What the open state is held to.
-    pub target: &'a Target,
+    /// Where Stage 1 puts the two states.
+    pub layouts: &'a Layouts,
+    /// What the states are held to.
+    pub goals: Goals<'a>,
+    /// How far pieces turn.
+    pub opening: Opening,
     /// Weights of Stage 2.
     pub stage2: &'a second::Weights,
     /// Weights of Stage 3.
@@ -52,70 +54,83 @@ pub struct Reached {
 /// A pattern whose hard phase ends with more than this, in sums of squared residuals, says nothing about finer ones.
 const SOUND: f64 = 1e-6;
 
+/// A level that has been optimised.
+struct Done {
+    number: usize,
+    /// The pattern of the Stage 1 map.
+    first: Pattern,
+    pattern: Pattern,
+}
+
 impl Climb<'_> {
     /// Optimises the control meshes of the coarsest grid.
     pub fn stage2(&self, run: &mut Run) -> (ControlMesh, Report) {
         let later = self.levels.iter().enumerate().map(|(i, level)| regime(i, level).most_steps()).sum();
         let watch = &mut |step: &Step| (run.watch)(&Step { later, ..*step });
-        self.model_cells(0, "stage-2", &mut Run { journal: run.journal, watch })
+        let start = stage1(&self.levels[0].cover, self.layouts);
+        self.model_cells(0, &start, "stage-2", &mut Run { journal: run.journal, watch })
     }
 
-    fn model_cells(&self, level: usize, name: &str, run: &mut Run) -> (ControlMesh, Report) {
+    fn model_cells(
+        &self,
+        level: usize,
+        start: &ControlMesh,
+        name: &str,
+        run: &mut Run,
+    ) -> (ControlMesh, Report) {
         let Level { cover, gap } = &self.levels[level];
-        let start = stage1(cover, self.lift);
         let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        stage2(cover, &start, self.target, *gap, self.stage2, &options, name, run)
+        let problem = second::Problem { cover, goals: self.goals, gap: *gap, weights: self.stage2 };
+        stage2(&problem, start, &options, name, run)
     }
 
     /// Optimises the patterns of all grids, one after the other, beginning with the control meshes of the first.
     pub fn stage3(&self, control: ControlMesh, run: &mut Run) -> Reached {
         let mut reports = Vec::new();
-        let mut start = Some((control, Regime::from_model()));
-        let mut coarse: Option<(usize, Pattern)> = None;
+        let mut model = Some(control);
+        let mut done: Option<Done> = None;
         for (number, level) in self.levels.iter().enumerate() {
             let Level { cover, gap } = level;
-            let (control, regime) = match (start.take(), &coarse) {
-                (None, Some((below, pattern))) if is_sound(&reports) => {
-                    (self.refined(*below, pattern, number), regime(number, level))
+            let map = stage1(cover, self.layouts);
+            let first = initial_pattern(cover, &map, *gap, self.opening);
+            let (begin, regime) = match (model.take(), &done) {
+                (None, Some(below)) if is_sound(&reports) => {
+                    let control = self.refined(below, &map, cover);
+                    (initial_pattern(cover, &control, *gap, self.opening), regime(number, level))
                 }
-                (Some(start), _) => start,
+                (Some(control), _) => {
+                    (initial_pattern(cover, &control, *gap, self.opening), Regime::from_model())
+                }
                 _ => {
-                    let (control, report) = self.model_cells(number, &format!("stage-2/{number}"), run);
+                    let (control, report) = self.model_cells(number, &map, &format!("stage-2/{number}"), run);
                     reports.push(report);
-                    (control, Regime::from_model())
+                    (initial_pattern(cover, &control, *gap, self.opening), Regime::from_model())
                 }
             };
-            let begin = initial_pattern(cover, &control, *gap);
             // Borders of trimmed grids are held to where the Stage 1 map has them, except where that was improved.
-            let border = match number {
-                0 => begin.clone(),
-                _ => initial_pattern(cover, &stage1(cover, self.lift), *gap),
-            };
-            let later: usize = self.levels[number + 1..]
-                .iter()
-                .map(|level| self::regime(number + 1, level).most_steps())
-                .sum();
+            let border = if number == 0 { begin.clone() } else { first.clone() };
+            let levels = self.levels.iter().enumerate().skip(number + 1);
+            let later: usize = levels.map(|(i, level)| self::regime(i, level).most_steps()).sum();
             let watch = &mut |step: &Step| (run.watch)(&Step { later: step.later + later, ..*step });
-            let problem = Problem { cover, target: self.target, gap: *gap, weights: self.stage3 };
+            let problem = Problem { cover, goals: self.goals, gap: *gap, weights: self.stage3 };
             let mut run = Run { journal: run.journal, watch };
             let (pattern, more) =
                 stage3(&problem, begin, &border, &regime, &format!("stage-3/{number}"), &mut run);
             reports.extend(more);
-            coarse = Some((number, pattern));
+            done = Some(Done { number, first, pattern });
             if reports.last().is_some_and(|report| report.termination == Termination::Interrupted) {
                 break;
             }
         }
-        let (level, pattern) = coarse.expect("at least one level");
+        let Done { number: level, pattern, .. } = done.expect("at least one level");
         Reached { level, pattern, reports }
     }
 
-    /// The start of a level: the Stage 1 map, displaced as the pattern of a coarser level is.
-    fn refined(&self, below: usize, pattern: &Pattern, level: usize) -> ControlMesh {
-        let Level { cover: coarse, gap } = &self.levels[below];
-        let moved = displacement(coarse, &stage1(coarse, self.lift), pattern, *gap);
-        let fine = &self.levels[level].cover;
-        let mut control = stage1(fine, self.lift);
+    /// The start of a level: its Stage 1 map, displaced as the pattern of a coarser level is.
+    fn refined(&self, below: &Done, map: &ControlMesh, fine: &Cover) -> ControlMesh {
+        let coarse = &self.levels[below.number].cover;
+        let moved = displacement(coarse, &below.first, &below.pattern);
+        let mut control = map.clone();
         displace(coarse, &moved, fine, &mut control);
         control
     }
@@ -133,20 +148,18 @@ fn is_sound(reports: &[Report]) -> bool {
 
 /// How far the pieces of a pattern have moved from the Stage 1 map.
 struct Displacement {
-    closed: Vec<Vector2>,
+    closed: Vec<Vector3>,
     open: Vec<Vector3>,
 }
 
-/// Measures how far a pattern has moved: per piece the mean over its vertices, in which the turning of the
+/// Measures how far a pattern has moved since `first`: per piece the mean over its vertices, in which the turning of the
 /// piece cancels.
-fn displacement(cover: &Cover, control: &ControlMesh, pattern: &Pattern, gap: f64) -> Displacement {
-    let start = initial_pattern(cover, control, gap);
-    let closed = |corners: &Vec<usize>| {
-        corners.iter().map(|&c| pattern.corners[c] - start.corners[c]).sum::<Vector2>() / corners.len() as f64
+fn displacement(cover: &Cover, first: &Pattern, pattern: &Pattern) -> Displacement {
+    let mean = |after: &[Point3], before: &[Point3], of: &Vec<usize>| {
+        of.iter().map(|&i| after[i] - before[i]).sum::<Vector3>() / of.len() as f64
     };
-    let open = |owned: &Vec<usize>| {
-        owned.iter().map(|&e| pattern.open[e] - start.open[e]).sum::<Vector3>() / owned.len() as f64
-    };
+    let closed = |corners| mean(&pattern.corners, &first.corners, corners);
+    let open = |owned| mean(&pattern.open, &first.open, owned);
     Displacement {
         closed: cover.mesh.pieces.iter().map(closed).collect(),
         open: cover.mesh.owned.iter().map(open).collect(),
@@ -163,13 +176,13 @@ fn displace(coarse: &Cover, moved: &Displacement, fine: &Cover, control: &mut Co
         (1..around.len() - 1).map(|i| [around[0], around[i], around[i + 1]]).collect()
     };
     let faces: Vec<[usize; 3]> = closed_fans.flat_map(|(around, _)| fan(around)).collect();
-    let map = |values: Vec<Point3>| {
-        LinearMap::new(TriMesh { vertices: values, faces: faces.clone() }, &coarse.centres)
+    let map = |values: &[Vector3]| {
+        let vertices = values.iter().map(|d| Point3::from(*d)).collect();
+        LinearMap::new(TriMesh { vertices, faces: faces.clone() }, &coarse.centres)
     };
-    let closed = map(moved.closed.iter().map(|d| Point3::new(d.x, d.y, 0.0)).collect());
-    let open = map(moved.open.iter().map(|d| Point3::from(*d)).collect());
+    let (closed, open) = (map(&moved.closed), map(&moved.open));
     for (i, at) in fine.corners.iter().enumerate() {
-        control.closed_corners[i] += closed.apply_nearest(at).coords.xy();
+        control.closed_corners[i] += closed.apply_nearest(at).coords;
         control.open_corners[i] += open.apply_nearest(at).coords;
     }
 }
@@ -179,7 +192,8 @@ mod tests {
     use super::super::cover::{PieceSize, cover};
     use super::super::pattern::hinge_offsets;
     use super::*;
-    use crate::geometry::Point2;
+    use crate::geometry::{Point2, Vector2};
+    use crate::kirigami::control_mesh::Layout;
     use std::f64::consts::SQRT_2;
 
     /// The grid over a flat rectangle, and its Stage 1 map: the identity.
@@ -189,7 +203,8 @@ mod tests {
             cover(&outline, &Vector2::x(), PieceSize::Counts(counts), [SQRT_2; 2], 0.0, None).unwrap();
         let vertices = outline.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
         let lift = LinearMap::new(TriMesh { vertices, faces: vec![[0, 1, 2], [0, 2, 3]] }, &outline);
-        let control = stage1(&cover, &lift);
+        let layouts = Layouts { closed: Layout::Grid, open: Layout::Lifted(lift) };
+        let control = stage1(&cover, &layouts);
         (cover, control)
     }
 
@@ -201,11 +216,12 @@ mod tests {
     #[test]
     fn a_linear_displacement_is_carried_over_exactly_inside() {
         let (coarse, first) = flat([6, 4]);
-        let mut pattern = initial_pattern(&coarse, &first, 0.0);
+        let first = initial_pattern(&coarse, &first, 0.0, Opening::Full);
+        let mut pattern = first.clone();
         pattern.open.iter_mut().for_each(|p| *p += shift(p));
         // Closed corners scale with the flattened ones.
         pattern.corners.iter_mut().for_each(|p| *p += p.coords * 0.1);
-        let moved = displacement(&coarse, &first, &pattern, 0.0);
+        let moved = displacement(&coarse, &first, &pattern);
         let (fine, start) = flat([12, 8]);
         let mut control = start.clone();
         displace(&coarse, &moved, &fine, &mut control);
@@ -220,7 +236,7 @@ mod tests {
             let expected = start.open_corners[i] + shift(&Point3::new(hull.x, hull.y, 0.0));
             assert!((control.open_corners[i] - expected).norm() < 1e-9, "{at}");
             inside += usize::from((hull - at).norm() < 1e-9);
-            let closed = start.closed_corners[i] + 0.1 * hull.coords / SQRT_2;
+            let closed = start.closed_corners[i] + 0.1 * hull.coords.push(0.0) / SQRT_2;
             assert!((control.closed_corners[i] - closed).norm() < 1e-9, "{at}");
         }
         assert_eq!(inside, 11 * 7);
@@ -229,9 +245,9 @@ mod tests {
     #[test]
     fn a_pattern_that_has_not_moved_leaves_the_map_of_stage_1() {
         let (coarse, first) = flat([4, 3]);
-        let pattern = initial_pattern(&coarse, &first, 0.0);
+        let pattern = initial_pattern(&coarse, &first, 0.0, Opening::Full);
         assert_eq!(pattern.offsets, hinge_offsets(&coarse.mesh, &pattern.corners, 0.0));
-        let moved = displacement(&coarse, &first, &pattern, 0.0);
+        let moved = displacement(&coarse, &pattern, &pattern);
         let (fine, start) = flat([8, 6]);
         let mut control = start.clone();
         displace(&coarse, &moved, &fine, &mut control);

@@ -1,25 +1,19 @@
 //! The terms of Stage 3 over the unknowns of a pattern.
 
-use super::control_mesh::Targets;
 use super::cover::Cover;
-use super::pattern::Unknowns;
+use super::design::State;
+use super::pattern::{Pattern, Unknowns};
 use super::piece_mesh::{Edge, PieceMesh};
-use super::stage2::{closed_holds, corner_holds};
-use super::stage3::{Phase, Weights};
+use super::stage2::held;
+use super::stage3::{Phase, Problem};
 use super::terms::{
-    Held, Hold, Isometry, LeastWidths, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles,
+    ClosedVertex, Isometry, LeastWidths, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles,
 };
-use crate::geometry::{Vector2, Vector3};
 use crate::solver::{Coupling, Term, Weighted};
 
 /// What pieces must keep: congruent in both states, Eq. (7), and flat.
-pub fn hard_terms(
-    mesh: &PieceMesh,
-    at: &Unknowns,
-    offsets: &[Vector2],
-    scale: f64,
-) -> Vec<Weighted<'static>> {
-    let pieces = pieces(mesh, at, offsets, scale);
+pub fn hard_terms(mesh: &PieceMesh, at: &Unknowns, pattern: &Pattern, scale: f64) -> Vec<Weighted<'static>> {
+    let pieces = pieces(mesh, at, pattern, scale);
     let terms: [Box<dyn Term>; 2] = [Box::new(Isometry::new(&pieces)), Box::new(Planarity::new(&pieces))];
     terms.into_iter().map(|term| Weighted { term, weight: 1.0, coupling: Coupling::Full }).collect()
 }
@@ -28,53 +22,38 @@ pub fn hard_terms(
 /// stretch from a few rows of pieces until these are slivers or turned over. At 0.4 pieces leave the target instead.
 const LEAST_WIDTH: f64 = 0.25;
 
+/// Weight of the steps between the hinge points of a closed corner in space: they are to be no larger than needed.
+const LEVEL: f64 = 1.0;
+
 /// They are also widened up to this many gaps: hinge polygons are up to a gap narrower than their cells, and two gaps
 /// of them must be left.
 const LEAST_WIDTH_IN_GAPS: f64 = 3.0;
 
-/// What the terms of a pattern speak of.
-pub struct Softly<'a> {
-    /// The grid.
-    pub cover: &'a Cover,
-    /// What the two states are held to.
-    pub targets: Targets<'a>,
-    /// What the border points of the open state are held to.
-    pub holds: &'a [(PointAt, Hold)],
-    /// Distance between the two hinge points of a corner, millimetres.
-    pub gap: f64,
-    /// Weights.
-    pub weights: &'a Weights,
-    /// Of fairness.
-    pub coupling: Coupling,
-}
-
-/// The terms that decide what isometry leaves free. A closed state in space is held to its own surface and boundary as
-/// the open one is; least widths are known in the plane only. Those that the weights leave out are not among them; those that
-/// a phase leaves out have weight 0.
-pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<Weighted<'a>> {
-    let &Softly { cover, targets, holds, gap, weights, coupling } = softly;
-    let target = targets.open;
+/// The terms that decide what isometry leaves free. Those that the weights leave out are not among them; those that a
+/// phase leaves out have weight 0. Where no grid follows the outline border points are held to where they are in
+/// `border`; `coupling` is that of fairness.
+pub fn soft_terms<'a>(
+    problem: &Problem<'a>,
+    border: &Pattern,
+    at: &Unknowns,
+    phase: &Phase,
+    coupling: Coupling,
+) -> Vec<Weighted<'a>> {
+    let &Problem { cover, gap, weights, .. } = problem;
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
-    let points = (0..mesh.edges.len()).map(|e| (at.open(e), Hold::Surface));
-    let border = holds.iter().copied();
-    // The vertex of a corner's only piece there.
-    let tip = |corner: usize| {
-        let mut edges = mesh.fans[corner].edges.iter().copied();
-        at.open(
-            edges.find(|&e| mesh.edges[e].hinge_corner == corner).expect("one of its edges owns the vertex"),
-        )
-    };
-    let corners = corner_holds(cover, target, tip);
     let least = LEAST_WIDTH.max(LEAST_WIDTH_IN_GAPS * gap / scale);
     let [fair_closed, fair_open] = fairness(cover, at);
     let full = Coupling::Full;
     // Widths are zero at a good solution: no need to phase them out.
     let widths = if phase.soft > 0.0 { 1.0 } else { 0.0 };
-    let mut terms: Vec<(Box<dyn Term>, f64, f64, Coupling)> = vec![
-        (Box::new(Held::new("prox", points, target, scale)), weights.prox, phase.soft, full),
-        (Box::new(Held::new("boundary", border, target, scale)), weights.boundary, phase.soft, full),
-        (Box::new(Held::new("corners", corners, target, scale)), weights.corners, phase.soft, full),
+    let mut terms: Vec<(Box<dyn Term>, f64, f64, Coupling)> = Vec::new();
+    for state in [State::Open, State::Closed] {
+        let held = held_points(problem, border, at, state);
+        let weights = [weights.prox, weights.boundary, weights.corners];
+        terms.extend(held.into_iter().zip(weights).map(|(term, weight)| (term, weight, phase.soft, full)));
+    }
+    terms.extend::<[(Box<dyn Term>, f64, f64, Coupling); 6]>([
         (Box::new(Lengths::new("sides", border_sides(cover, at))), weights.sides, phase.soft, full),
         (Box::new(RightAngles::new("opening", hinge_sides(mesh, at))), weights.opening, phase.soft, coupling),
         (
@@ -83,20 +62,15 @@ pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<
             phase.soft,
             full,
         ),
+        (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, full),
         (Box::new(fair_closed), weights.fair, phase.fair, coupling),
         (Box::new(fair_open), weights.fair, phase.fair, coupling),
-    ];
-    match targets.closed {
-        // In the place where it stands in reports.
-        None => terms.insert(
-            6,
-            (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, full),
-        ),
-        Some(closed) => {
-            let [prox, boundary] = closed_holds(mesh, closed, scale, |c| at.corner(c));
-            terms.push((Box::new(prox), weights.prox, phase.soft, full));
-            terms.push((Box::new(boundary), weights.boundary, phase.soft, full));
-        }
+    ]);
+    let lifts: Vec<_> = (0..mesh.corner_count).filter_map(|c| at.lift(c)).collect();
+    if !lifts.is_empty() {
+        let level = |start| vec![(PointAt { start, dimension: 1 }, 1.0)];
+        let level = LinearTerm::new("level", 1, &lifts.into_iter().map(level).collect::<Vec<_>>());
+        terms.push((Box::new(level), LEVEL, phase.soft, full));
     }
     let asked = terms.into_iter().filter(|(_, weight, ..)| *weight > 0.0);
     asked
@@ -104,17 +78,46 @@ pub fn soft_terms<'a>(softly: &Softly<'a>, at: &Unknowns, phase: &Phase) -> Vec<
         .collect()
 }
 
-fn pieces(mesh: &PieceMesh, at: &Unknowns, offsets: &[Vector2], scale: f64) -> Vec<PieceAt> {
+/// What holds a state of the pattern to its goal: closeness, boundary and fixed corners.
+fn held_points<'a>(
+    problem: &Problem<'a>,
+    border: &Pattern,
+    at: &Unknowns,
+    state: State,
+) -> Vec<Box<dyn Term + 'a>> {
+    let &Problem { cover, goals, .. } = problem;
+    let mesh = &cover.mesh;
+    let terms = match state {
+        State::Closed => {
+            let edge = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed);
+            let edge = edge.map(|c| (at.corner(c), border.corners[c]));
+            held(cover, goals, state, (0..mesh.corner_count).map(|c| at.corner(c)), edge, |c| at.corner(c))
+        }
+        State::Open => {
+            let edge = (0..mesh.edges.len()).filter(|&e| mesh.edges[e].is_border());
+            let edge = edge.map(|e| (at.open(e), border.open[e]));
+            // The vertex of a corner's only piece there.
+            let tip = |corner: usize| {
+                let mut edges = mesh.fans[corner].edges.iter().copied();
+                let own = edges.find(|&e| mesh.edges[e].hinge_corner == corner);
+                at.open(own.expect("one of its edges owns the vertex"))
+            };
+            held(cover, goals, state, (0..mesh.edges.len()).map(|e| at.open(e)), edge, tip)
+        }
+    };
+    terms.into_iter().map(|term| Box::new(term) as Box<dyn Term>).collect()
+}
+
+fn pieces(mesh: &PieceMesh, at: &Unknowns, pattern: &Pattern, scale: f64) -> Vec<PieceAt> {
+    let vertex = |e: usize| {
+        let corner = mesh.edges[e].hinge_corner;
+        let lift = at.lift(corner).map(|unknown| (unknown, pattern.rises[e]));
+        ClosedVertex { corner: at.corner(corner), offset: pattern.offsets[e] / scale, lift }
+    };
     mesh.owned
         .iter()
         .map(|owned| PieceAt {
-            closed: owned
-                .iter()
-                .map(|&e| {
-                    let offset = offsets[e] / scale;
-                    (at.corner(mesh.edges[e].hinge_corner), Vector3::new(offset.x, offset.y, 0.0))
-                })
-                .collect(),
+            closed: owned.iter().map(|&e| vertex(e)).collect(),
             open: owned.iter().map(|&e| at.open(e)).collect(),
         })
         .collect()
@@ -177,5 +180,8 @@ fn fairness(cover: &Cover, at: &Unknowns) -> [LinearTerm; 2] {
             vec![(at.open(i), 1.0), (at.open(j), -1.0 - s), (at.open(k), s)]
         })
         .collect();
-    [LinearTerm::new("fair-closed", at.closed_dimension, &closed), LinearTerm::new("fair-open", 3, &open)]
+    [
+        LinearTerm::new("fair-closed", at.closed_dimension, &closed),
+        LinearTerm::new("fair-open", at.open_dimension, &open),
+    ]
 }

@@ -2,8 +2,10 @@
 //!
 //! Nothing here trusts the optimiser: all figures come from the coordinates of the design.
 
-use super::control_mesh::Target;
-use super::design::Design;
+use super::control_mesh::{Goal, Goals, Target};
+use super::design::{Design, State};
+use super::filled::{closed_surface, open_surface};
+use super::piece_mesh::PieceMesh;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::topology::disk;
@@ -18,17 +20,19 @@ pub struct Quality {
     pub max_length_error: f64,
     /// Largest distance of a piece's vertex from the piece's plane in either state, in mean edges.
     pub planarity: f64,
-    /// Largest distance of a hinge point or free vertex of the open state from the target.
+    /// Largest distance of a hinge point or free vertex from the target.
     pub distance_max: f64,
     /// Largest distance of a piece's centre from the target: what flat pieces cost on a curved surface.
     pub sagitta_max: f64,
-    /// Largest distance of a point of the target (vertices and face centres) from the open pattern, holes
-    /// filled.
+    /// Largest distance of a point of the target (vertices and face centres) from the pattern, holes filled; 0 where
+    /// the pattern need not cover the target.
     pub coverage_max: f64,
-    /// Largest distance between the target's boundary and the pattern's, either way.
+    /// Largest distance between the target's boundary and the pattern's, either way; 0 where that is not held.
     pub boundary_max: f64,
     /// Diagonal of the target's bounding box.
     pub target_diagonal: f64,
+    /// These five figures state by state, for those that have a target; above stand the larger ones.
+    pub fits: Vec<(State, Fit)>,
     /// Mean distance between neighbouring corners of the closed sheet.
     pub mean_edge: f64,
     /// The mean edge that was asked for.
@@ -37,6 +41,17 @@ pub struct Quality {
     pub area_expansion: f64,
     /// Largest over smallest stretch of the target's conformal flattening.
     pub stretch_ratio: f64,
+}
+
+/// How a state fits its target, millimetres; see [`Quality`].
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // The names are those of Quality.
+pub struct Fit {
+    pub distance_max: f64,
+    pub sagitta_max: f64,
+    pub coverage_max: f64,
+    pub boundary_max: f64,
+    pub target_diagonal: f64,
 }
 
 /// Limits that a design must keep to be made. Those in edges and cells scale with the pattern.
@@ -87,41 +102,60 @@ fn figure(value: f64) -> String {
     if value.abs() >= 1e-3 { format!("{value:.3}") } else { format!("{value:.1e}") }
 }
 
-/// Measures a design against its target. `filled` is the open pattern with its holes filled
-/// ([`super::filled::filled_surface`]).
+/// Measures a design against its goals.
 pub fn measure(
     design: &Design,
-    filled: &PolyMesh,
-    target: &Target,
+    mesh: &PieceMesh,
+    goals: &Goals,
     asked_edge: f64,
     stretch_ratio: f64,
 ) -> Quality {
     let mean_edge = design.mean_edge();
     let (e_isom, max_length_error) = length_errors(design, mean_edge);
-    let vertices = design.pieces.iter().flat_map(|piece| &piece.open);
-    let centres = design.pieces.iter().map(|piece| centroid(&piece.open));
-    let largest = |distances: &mut dyn Iterator<Item = f64>| distances.fold(0.0, f64::max);
-    let open = fan_triangles(filled);
-    let area_open = area(&open);
-    let closed_pieces = PolyMesh {
-        vertices: design.corners.clone(),
-        faces: design.pieces.iter().map(|piece| piece.corners.clone()).collect(),
+    let surfaces = [closed_surface(design), open_surface(mesh, design)];
+    let areas = surfaces.each_ref().map(|surface| area(&fan_triangles(surface)));
+    let states = [State::Closed, State::Open].into_iter().zip(&surfaces);
+    let fits: Vec<(State, Fit)> = states
+        .filter_map(|(state, surface)| Some((state, fit(design, state, surface, goals.of(state))?)))
+        .collect();
+    // Whatever is not a number must show.
+    let largest = |figure: fn(&Fit) -> f64| {
+        let worse = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+        fits.iter().map(|(_, fit)| figure(fit)).fold(0.0, worse)
     };
-    let (low, high) = bounds(&target.surface.mesh().vertices);
     Quality {
         e_isom,
         max_length_error,
         planarity: planarity(design) / mean_edge,
-        distance_max: largest(&mut vertices.map(|p| target.surface.distance(p))),
-        sagitta_max: largest(&mut centres.map(|p| target.surface.distance(&p))),
-        boundary_max: boundary_distance(filled, &open, target),
-        coverage_max: coverage(open, target),
-        target_diagonal: (high - low).norm(),
+        distance_max: largest(|fit| fit.distance_max),
+        sagitta_max: largest(|fit| fit.sagitta_max),
+        coverage_max: largest(|fit| fit.coverage_max),
+        boundary_max: largest(|fit| fit.boundary_max),
+        target_diagonal: largest(|fit| fit.target_diagonal),
+        fits,
         mean_edge,
         asked_edge,
-        area_expansion: area_open / area(&fan_triangles(&closed_pieces)),
+        area_expansion: areas[1] / areas[0],
         stretch_ratio,
     }
+}
+
+/// How a state, its slits or holes filled, fits its target. Nothing where it has none.
+fn fit(design: &Design, state: State, surface: &PolyMesh, goal: Goal) -> Option<Fit> {
+    let target = goal.target()?;
+    let largest = |distances: &mut dyn Iterator<Item = f64>| distances.fold(0.0, f64::max);
+    let vertices = design.pieces.iter().flat_map(|piece| piece.vertices(state));
+    let centres = design.pieces.iter().map(|piece| centroid(piece.vertices(state)));
+    let triangles = fan_triangles(surface);
+    let (low, high) = bounds(&target.surface.mesh().vertices);
+    let held = goal.outline().is_some();
+    Some(Fit {
+        distance_max: largest(&mut vertices.map(|p| target.surface.distance(p))),
+        sagitta_max: largest(&mut centres.map(|p| target.surface.distance(&p))),
+        boundary_max: if held { boundary_distance(surface, &triangles, target) } else { 0.0 },
+        coverage_max: if held { coverage(triangles, target) } else { 0.0 },
+        target_diagonal: (high - low).norm(),
+    })
 }
 
 impl Quality {

@@ -3,12 +3,12 @@
 //! Levenberg-Marquardt over both control meshes: orthogonal diagonals, square open faces, constant mean
 //! stretch, closeness to the target and to its boundary, fairness.
 
-use super::control_mesh::{ControlMesh, Target, Targets};
+use super::control_mesh::{ControlMesh, Goals, Target};
 use super::cover::{Boundary, Cover};
 use super::design::State;
-use super::piece_mesh::PieceMesh;
+use super::piece_mesh::{Edge, PieceMesh};
 use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
-use crate::geometry::{Point2, Point3};
+use crate::geometry::Point3;
 use crate::solver::{Coupling, Options, Report, Run, System, Term, Weighted};
 
 /// Weights of the terms, for meshes whose mean edge is 1.
@@ -40,16 +40,29 @@ impl Default for Weights {
 const LAMBDA: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Positions of the four families of control vertices among the unknowns.
+#[derive(Debug, Clone, Copy)]
 pub struct Unknowns {
     /// Number of white vertices.
     pub corners: usize,
     /// Number of black vertices.
     pub pieces: usize,
-    /// 2 where the closed state lies in the plane, 3 where it lies in space.
+    /// Unknowns per point of the closed state: 2 where it lies in the plane, 3 in space.
     pub closed_dimension: usize,
+    /// Likewise of the open state.
+    pub open_dimension: usize,
 }
 
 impl Unknowns {
+    /// Those of control meshes over this mesh.
+    pub fn new(mesh: &PieceMesh, goals: &Goals) -> Self {
+        Self {
+            corners: mesh.corner_count,
+            pieces: mesh.pieces.len(),
+            closed_dimension: goals.closed.dimension(),
+            open_dimension: goals.open.dimension(),
+        }
+    }
+
     /// A white vertex of V.
     pub fn closed_corner(&self, i: usize) -> PointAt {
         PointAt { start: self.closed_dimension * i, dimension: self.closed_dimension }
@@ -60,101 +73,146 @@ impl Unknowns {
     }
     /// A white vertex of V'.
     pub fn open_corner(&self, i: usize) -> PointAt {
-        PointAt { start: self.closed_dimension * (self.corners + self.pieces) + 3 * i, dimension: 3 }
+        let dimension = self.open_dimension;
+        PointAt { start: self.closed_dimension * (self.corners + self.pieces) + dimension * i, dimension }
     }
     /// A black vertex of V'.
     pub fn open_centre(&self, i: usize) -> PointAt {
         self.open_corner(self.corners + i)
     }
+
+    fn corner(&self, state: State, i: usize) -> PointAt {
+        if state == State::Closed { self.closed_corner(i) } else { self.open_corner(i) }
+    }
+
+    fn centre(&self, state: State, i: usize) -> PointAt {
+        self.corner(state, self.corners + i)
+    }
+
+    /// A place of each unknown on the grid.
+    pub fn places(&self, cover: &Cover) -> Vec<[f64; 2]> {
+        let centre = |piece: &Vec<usize>| {
+            let sum =
+                piece.iter().fold([0.0; 2], |[x, y], &c| [x + cover.places[c][0], y + cover.places[c][1]]);
+            sum.map(|s| s / piece.len() as f64)
+        };
+        let centres = cover.mesh.pieces.iter().map(centre);
+        let points: Vec<[f64; 2]> = cover.places.iter().copied().chain(centres).collect();
+        let closed = points.iter().flat_map(|p| std::iter::repeat_n(*p, self.closed_dimension));
+        closed.chain(points.iter().flat_map(|p| std::iter::repeat_n(*p, self.open_dimension))).collect()
+    }
+
+    /// The unknowns of control meshes, in units of `scale` millimetres.
+    pub fn pack(&self, meshes: &ControlMesh, scale: f64) -> Vec<f64> {
+        let closed = meshes.closed_corners.iter().chain(&meshes.closed_centres);
+        let open = meshes.open_corners.iter().chain(&meshes.open_centres);
+        let closed = closed.flat_map(|p| p.iter().take(self.closed_dimension));
+        closed
+            .chain(open.flat_map(|p| p.iter().take(self.open_dimension)))
+            .map(|value| value / scale)
+            .collect()
+    }
+
+    /// The control meshes that these unknowns stand for.
+    pub fn unpack(&self, x: &[f64], scale: f64) -> ControlMesh {
+        let points =
+            |count, at: &dyn Fn(usize) -> PointAt| (0..count).map(|i| at(i).point(x, scale)).collect();
+        ControlMesh {
+            closed_corners: points(self.corners, &|i| self.closed_corner(i)),
+            closed_centres: points(self.pieces, &|i| self.closed_centre(i)),
+            open_corners: points(self.corners, &|i| self.open_corner(i)),
+            open_centres: points(self.pieces, &|i| self.open_centre(i)),
+        }
+    }
 }
 
-/// Optimises a pair of control meshes.
-///
-/// `gap` is the distance between the two hinge points of a corner, millimetres; `name` is that of the minimisation
-/// in the journal.
-#[expect(clippy::too_many_arguments)] // Each is one plain thing, and there is one caller.
+/// What Stage 2 works on.
+#[derive(Clone, Copy)]
+pub struct Problem<'a> {
+    /// The grid.
+    pub cover: &'a Cover,
+    /// What the states are held to.
+    pub goals: Goals<'a>,
+    /// Distance between the two hinge points of a corner, millimetres.
+    pub gap: f64,
+    /// Weights.
+    pub weights: &'a Weights,
+}
+
+/// Optimises a pair of control meshes; `name` is that of the minimisation in the journal.
 pub fn stage2(
-    cover: &Cover,
+    problem: &Problem,
     start: &ControlMesh,
-    target: &Target,
-    gap: f64,
-    weights: &Weights,
     options: &Options,
     name: &str,
     run: &mut Run,
 ) -> (ControlMesh, Report) {
-    let scale = cover.cell.edge();
-    let mesh = &cover.mesh;
-    let at = Unknowns { corners: mesh.corner_count, pieces: mesh.pieces.len(), closed_dimension: 2 };
-    let targets = Targets { closed: None, open: target };
-    let mut x = pack(start, scale);
-    let terms = || terms(cover, &start.open_corners, targets, &at, gap / scale, weights);
-    let mut system = System::new(places(cover, at.closed_dimension));
-    let report = run.journal.minimize(name, &mut system, terms, &mut x, options, run.watch);
-    (unpack(&x, &at, scale), report)
+    let scale = problem.cover.cell.edge();
+    let at = Unknowns::new(&problem.cover.mesh, &problem.goals);
+    let mut x = at.pack(start, scale);
+    let mut system = System::new(at.places(problem.cover));
+    let report =
+        run.journal.minimize(name, &mut system, || terms(problem, start, &at), &mut x, options, run.watch);
+    (at.unpack(&x, scale), report)
 }
 
-/// A place of each unknown on the grid; the closed state has `closed_dimension` unknowns per vertex.
-pub fn places(cover: &Cover, closed_dimension: usize) -> Vec<[f64; 2]> {
-    let corners: Vec<[f64; 2]> = cover.positions.iter().map(|p| p.map(f64::from)).collect();
-    let centre = |piece: &Vec<usize>| {
-        let sum = piece.iter().fold([0.0; 2], |sum, &c| [sum[0] + corners[c][0], sum[1] + corners[c][1]]);
-        sum.map(|s| s / piece.len() as f64)
-    };
-    let points: Vec<[f64; 2]> = corners.iter().copied().chain(cover.mesh.pieces.iter().map(centre)).collect();
-    let closed = points.iter().flat_map(|p| std::iter::repeat_n(*p, closed_dimension));
-    closed.chain(points.iter().flat_map(|p| [*p; 3])).collect()
-}
-
-/// All terms that have a weight. `open_corners` are the open white vertices at the start, millimetres; `gap` is in mean
-/// edges. A closed state in space is held to its own surface and boundary as the open one is.
-pub fn terms<'a>(
-    cover: &Cover,
-    open_corners: &[Point3],
-    targets: Targets<'a>,
-    at: &Unknowns,
-    gap: f64,
-    weights: &Weights,
-) -> Vec<Weighted<'a>> {
+/// All terms that have a weight. `start` tells where border corners are held on outlines that no grid follows.
+pub fn terms<'a>(problem: &Problem<'a>, start: &ControlMesh, at: &Unknowns) -> Vec<Weighted<'a>> {
+    let &Problem { cover, goals, gap, weights } = problem;
     let scale = cover.cell.edge();
-    let target = targets.open;
     let mesh = &cover.mesh;
     let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, at);
-    let border = (0..mesh.corner_count)
-        .filter(|&c| !mesh.fans[c].closed)
-        .map(|c| (at.open_corner(c), open_corners[c]));
-    let boundary = border_holds(border, target, cover.boundary);
-    let corners = corner_holds(cover, target, |c| at.open_corner(c));
-    let open = (0..mesh.corner_count)
-        .map(|i| at.open_corner(i))
-        .chain((0..mesh.pieces.len()).map(|i| at.open_centre(i)))
-        .map(|point| (point, Hold::Surface));
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
     let mut terms: Vec<(Box<dyn Term>, f64)> = vec![
         (Box::new(OrthogonalDiagonals::new(both)), weights.orth),
-        (Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap)), weights.geom),
-        (Box::new(Held::new("prox", open, target, scale)), weights.prox),
-        (Box::new(Held::new("boundary", boundary, target, scale)), weights.boundary),
-        (Box::new(Held::new("corners", corners, target, scale)), weights.corners),
-        (Box::new(fairness(mesh, at, State::Closed)), weights.fair),
-        (Box::new(fairness(mesh, at, State::Open)), weights.fair),
+        (Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap / scale)), weights.geom),
     ];
-    if let Some(closed) = targets.closed {
-        let [prox, boundary] = closed_holds(mesh, closed, scale, |c| at.closed_corner(c));
-        let centres = (0..mesh.pieces.len()).map(|i| (at.closed_centre(i), Hold::Surface));
-        terms.push((Box::new(prox), weights.prox));
-        terms.push((Box::new(Held::new("prox-closed", centres, closed, scale)), weights.prox));
-        terms.push((Box::new(boundary), weights.boundary));
+    for (state, places) in [(State::Open, &start.open_corners), (State::Closed, &start.closed_corners)] {
+        let border = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed);
+        let border = border.map(|c| (at.corner(state, c), places[c]));
+        let points = (0..mesh.corner_count + mesh.pieces.len()).map(|i| at.corner(state, i));
+        let held = held(cover, goals, state, points, border, |c| at.corner(state, c));
+        let weights = [weights.prox, weights.boundary, weights.corners];
+        terms.extend(
+            held.into_iter().zip(weights).map(|(held, weight)| (Box::new(held) as Box<dyn Term>, weight)),
+        );
     }
+    terms.push((Box::new(fairness(mesh, at, State::Closed)), weights.fair));
+    terms.push((Box::new(fairness(mesh, at, State::Open)), weights.fair));
     let asked = terms.into_iter().filter(|(_, weight)| *weight > 0.0);
     asked.map(|(term, weight)| Weighted { term, weight, coupling: Coupling::Full }).collect()
+}
+
+/// What holds a state to its goal: `points` to the surface, `border` (with where it starts) to the boundary, and fixed
+/// corners to the outline's. `corner` gives the unknowns of a corner of the sheet. Nothing, where there is no surface.
+pub(super) fn held<'a>(
+    cover: &Cover,
+    goals: Goals<'a>,
+    state: State,
+    points: impl Iterator<Item = PointAt>,
+    border: impl Iterator<Item = (PointAt, Point3)>,
+    corner: impl Fn(usize) -> PointAt,
+) -> Vec<Held<'a>> {
+    let goal = goals.of(state);
+    let Some(target) = goal.target() else { return Vec::new() };
+    let scale = cover.cell.edge();
+    let [prox, boundary, corners] = match state {
+        State::Open => ["prox", "boundary", "corners"],
+        State::Closed => ["prox-closed", "boundary-closed", "corners-closed"],
+    };
+    let mut held = vec![Held::new(prox, points.map(|p| (p, Hold::Surface)), target, scale)];
+    if goal.outline().is_some() {
+        held.push(Held::new(boundary, border_holds(border, target, cover.boundary), target, scale));
+        held.push(Held::new(corners, corner_holds(cover, target, corner), target, scale));
+    }
+    held
 }
 
 /// What border points are held to. `border` gives of each point its unknowns and where it starts.
 ///
 /// The target's boundary where the grid follows the outline; else the place, measured across the boundary, where
 /// the point starts, or the boundary itself if that is outside.
-pub(super) fn border_holds(
+fn border_holds(
     border: impl Iterator<Item = (PointAt, Point3)>,
     target: &Target,
     boundary: Boundary,
@@ -170,26 +228,8 @@ pub(super) fn border_holds(
     border.map(|(at, p)| (at, hold(p))).collect()
 }
 
-/// What holds the corners of a closed state in space: all to the target's surface, those of the border to its boundary.
-/// `at` gives the unknowns of a corner.
-pub(super) fn closed_holds<'a>(
-    mesh: &PieceMesh,
-    closed: &'a Target,
-    scale: f64,
-    at: impl Fn(usize) -> PointAt,
-) -> [Held<'a>; 2] {
-    let border = |&c: &usize| !mesh.fans[c].closed;
-    let surface = (0..mesh.corner_count).map(|c| (at(c), Hold::Surface));
-    let boundary = (0..mesh.corner_count).filter(border).map(|c| (at(c), Hold::Boundary));
-    [Held::new("prox-closed", surface, closed, scale), Held::new("boundary-closed", boundary, closed, scale)]
-}
-
 /// What pins fixed corners of the sheet to the outline's; `at` gives the unknowns of a corner of the sheet.
-pub(super) fn corner_holds(
-    cover: &Cover,
-    target: &Target,
-    at: impl Fn(usize) -> PointAt,
-) -> Vec<(PointAt, Hold)> {
+fn corner_holds(cover: &Cover, target: &Target, at: impl Fn(usize) -> PointAt) -> Vec<(PointAt, Hold)> {
     let pins = |&(corner, outline): &(usize, usize)| {
         Hold::pins(target.boundary.points[outline]).map(|hold| (at(corner), hold))
     };
@@ -198,33 +238,21 @@ pub(super) fn corner_holds(
 
 /// The control face of each edge, in both states.
 fn faces(mesh: &PieceMesh, at: &Unknowns) -> Vec<(Diagonals, Diagonals)> {
-    mesh.edges
-        .iter()
-        .map(|edge| {
-            let [p, q] = edge.corners;
-            let closed = Diagonals::new(
-                at.closed_corner(p),
-                at.closed_corner(q),
-                at.closed_centre(edge.piece),
-                edge.neighbour.map(|k| at.closed_centre(k)),
-            );
-            let open = Diagonals::new(
-                at.open_corner(p),
-                at.open_corner(q),
-                at.open_centre(edge.piece),
-                edge.neighbour.map(|k| at.open_centre(k)),
-            );
-            (closed, open)
+    let face = |edge: &Edge| {
+        [State::Closed, State::Open].map(|state| {
+            let [p, q] = edge.corners.map(|c| at.corner(state, c));
+            let centre = |k| at.centre(state, k);
+            Diagonals::new(p, q, centre(edge.piece), edge.neighbour.map(centre))
         })
-        .collect()
+    };
+    mesh.edges.iter().map(face).map(|[closed, open]| (closed, open)).collect()
 }
 
 /// Second differences, Eq. (6), along the mesh polylines: through quad pieces from corner to corner and
 /// through inner corners from piece to piece, in one of the states.
 fn fairness(mesh: &PieceMesh, at: &Unknowns, state: State) -> LinearTerm {
-    let closed = state == State::Closed;
-    let corner = |i| if closed { at.closed_corner(i) } else { at.open_corner(i) };
-    let centre = |i| if closed { at.closed_centre(i) } else { at.open_centre(i) };
+    let corner = |i| at.corner(state, i);
+    let centre = |i| at.centre(state, i);
     let mut blocks = Vec::new();
     for (piece, corners) in mesh.pieces.iter().enumerate() {
         if let [a, b, c, d] = corners[..] {
@@ -241,23 +269,8 @@ fn fairness(mesh: &PieceMesh, at: &Unknowns, state: State) -> LinearTerm {
             }
         }
     }
-    let (name, dimension) = if closed { ("fair-closed", at.closed_dimension) } else { ("fair-open", 3) };
-    LinearTerm::new(name, dimension, &blocks)
-}
-
-fn pack(meshes: &ControlMesh, scale: f64) -> Vec<f64> {
-    let plane = meshes.closed_corners.iter().chain(&meshes.closed_centres).flat_map(|p| [p.x, p.y]);
-    let space = meshes.open_corners.iter().chain(&meshes.open_centres).flat_map(|p| [p.x, p.y, p.z]);
-    plane.chain(space).map(|value| value / scale).collect()
-}
-
-fn unpack(x: &[f64], at: &Unknowns, scale: f64) -> ControlMesh {
-    let plane = |p: PointAt| Point2::new(x[p.start], x[p.start + 1]) * scale;
-    let space = |p: PointAt| Point3::new(x[p.start], x[p.start + 1], x[p.start + 2]) * scale;
-    ControlMesh {
-        closed_corners: (0..at.corners).map(|i| plane(at.closed_corner(i))).collect(),
-        closed_centres: (0..at.pieces).map(|i| plane(at.closed_centre(i))).collect(),
-        open_corners: (0..at.corners).map(|i| space(at.open_corner(i))).collect(),
-        open_centres: (0..at.pieces).map(|i| space(at.open_centre(i))).collect(),
+    match state {
+        State::Closed => LinearTerm::new("fair-closed", at.closed_dimension, &blocks),
+        State::Open => LinearTerm::new("fair-open", at.open_dimension, &blocks),
     }
 }

@@ -3,11 +3,10 @@
 //! The unknowns are those of [`super::pattern`]. The normals along which the two hinges of a corner stand apart
 //! are taken from the closed sheet before each phase and stay fixed while it runs.
 
-use super::control_mesh::{Target, Targets};
+use super::control_mesh::Goals;
 use super::cover::Cover;
-use super::pattern::{Pattern, Unknowns, hinge_offsets, pack, places, unpack};
-use super::pattern_terms::{Softly, hard_terms, soft_terms};
-use super::stage2::border_holds;
+use super::pattern::{Pattern, Unknowns};
+use super::pattern_terms::{hard_terms, soft_terms};
 use crate::solver::{Coupling, Options, Precision, Report, Run, Step, System, Termination};
 
 /// Weights of the soft phase, for a mean edge of 1. Isometry and planarity have weight 1.
@@ -133,8 +132,8 @@ fn phases(soft: &[(f64, f64, usize, f64)], precision: Precision) -> Vec<Phase> {
 pub struct Problem<'a> {
     /// The grid.
     pub cover: &'a Cover,
-    /// What the open state is held to.
-    pub target: &'a Target,
+    /// What the states are held to.
+    pub goals: Goals<'a>,
     /// Distance between the two hinge points of a corner, millimetres.
     pub gap: f64,
     /// Weights.
@@ -154,34 +153,30 @@ pub fn stage3(
     name: &str,
     run: &mut Run,
 ) -> (Pattern, Vec<Report>) {
-    let &Problem { cover, target, gap, weights } = problem;
+    let &Problem { cover, goals, gap, .. } = problem;
     let mesh = &cover.mesh;
     let scale = cover.cell.edge();
-    let at = Unknowns { corners: mesh.corner_count, closed_dimension: 2 };
-    let edges = mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
-    let holds = border_holds(edges.map(|(e, _)| (at.open(e), border.open[e])), target, cover.boundary);
-    let targets = Targets { closed: None, open: target };
-    let softly = Softly { cover, targets, holds: &holds, gap, weights, coupling: regime.coupling };
-    let mut systems = [(); 2].map(|()| System::new(places(cover, at.closed_dimension)));
+    let at = Unknowns::new(mesh, &goals);
+    let mut systems = [(); 2].map(|()| System::new(at.places(cover)));
     let mut pattern = start;
     let mut reports = Vec::new();
     for (number, phase) in regime.phases.iter().enumerate() {
-        pattern.offsets = hinge_offsets(mesh, &pattern.corners, gap);
+        pattern.turn_offsets(mesh, gap);
         // Fully coupled soft terms make the factor several times as costly: do without where they have no weight.
         let alone = phase.soft == 0.0 && regime.coupling == Coupling::Full;
         let terms = || {
-            let mut terms = hard_terms(mesh, &at, &pattern.offsets, scale);
+            let mut terms = hard_terms(mesh, &at, &pattern, scale);
             if !alone {
-                terms.extend(soft_terms(&softly, &at, phase));
+                terms.extend(soft_terms(problem, border, &at, phase, regime.coupling));
             }
             terms
         };
         let later: usize = regime.phases[number + 1..].iter().map(|phase| phase.options.iterations).sum();
         let watch = &mut |step: &Step| (run.watch)(&Step { phase: number, later, ..*step });
-        let mut x = pack(&pattern, scale);
+        let mut x = at.pack(&pattern, scale);
         let system = &mut systems[usize::from(alone)];
         let report = run.journal.minimize(name, system, terms, &mut x, &phase.options, watch);
-        unpack(&x, scale, &mut pattern);
+        at.unpack(&x, scale, &mut pattern);
         let interrupted = report.termination == Termination::Interrupted;
         reports.push(report);
         if interrupted {

@@ -21,12 +21,12 @@ mod ideal_cells;
 mod tests;
 
 pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};
-pub use piece::{Isometry, PieceAt, Planarity};
+pub use piece::{ClosedVertex, Isometry, PieceAt, Planarity};
 pub use shape::{Lengths, LinearTerm, RightAngles};
 pub use target::{Held, Hold};
 pub use width::LeastWidths;
 
-use crate::geometry::Vector3;
+use crate::geometry::{Point3, Vector3};
 
 /// The position of a point as a run of unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +45,11 @@ impl PointAt {
     fn read(self, x: &[f64]) -> Vector3 {
         let z = if self.dimension == 3 { x[self.start + 2] } else { 0.0 };
         Vector3::new(x[self.start], x[self.start + 1], z)
+    }
+
+    /// The point, where the unknowns are in units of `scale` millimetres.
+    pub(super) fn point(self, x: &[f64], scale: f64) -> Point3 {
+        Point3::from(self.read(x) * scale)
     }
 }
 

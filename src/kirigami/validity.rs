@@ -5,9 +5,10 @@
 //! look at each face: the closed cells between corner midpoints, and in the open state the pieces and the
 //! holes between them. Outlines with their real slits and ligaments are checked again in fabrication.
 
-use super::control_mesh::Target;
-use super::design::Design;
-use crate::geometry::mesh::PolyMesh;
+use super::control_mesh::{Goal, Goals};
+use super::design::{Design, State};
+use super::filled::open_surface;
+use super::piece_mesh::PieceMesh;
 use crate::geometry::{Point3, Vector3, centroid};
 
 /// Why a pattern cannot be made.
@@ -39,39 +40,72 @@ pub enum Invalid {
     },
 }
 
-/// Checks a pattern; `filled` is the open pattern with its holes filled: the pieces first, then holes, of the
-/// inner corners in `hole_corners`. `least_width` is the least width of a piece's hinge polygon.
+/// Checks a pattern; `least_width` is the least width of a piece's hinge polygon.
 ///
 /// # Errors
 /// The first [`Invalid`] face found.
-pub fn check(
-    design: &Design,
-    filled: &PolyMesh,
-    hole_corners: &[usize],
-    target: &Target,
-    least_width: f64,
-) -> Result<(), Invalid> {
-    let up = Vector3::z();
+pub fn check(design: &Design, mesh: &PieceMesh, goals: &Goals, least_width: f64) -> Result<(), Invalid> {
     for (i, piece) in design.pieces.iter().enumerate() {
         let cell: Vec<Point3> = piece.corners.iter().map(|&c| design.corners[c]).collect();
         for polygon in [&cell, &piece.closed] {
-            check_face(polygon, &up, "closed", || format!("piece {i}"))?;
+            check_face(polygon, &outside(goals.closed, polygon), "closed", || format!("piece {i}"))?;
         }
         let width = least_width_of(&piece.closed);
         // A width that is not a number must not pass.
         if width.is_nan() || width < least_width {
-            return Err(Invalid::Narrow { piece: i, width, least: least_width, at: centroid(&cell) });
+            let at = centroid(piece.vertices(design.sheet_state.unwrap_or(State::Closed)));
+            return Err(Invalid::Narrow { piece: i, width, least: least_width, at });
         }
     }
-    for (i, face) in filled.faces.iter().enumerate() {
-        let polygon: Vec<Point3> = face.iter().map(|&v| filled.vertices[v]).collect();
-        let normal = target.surface.closest(&centroid(&polygon)).normal;
-        check_face(&polygon, &normal, "open", || match i.checked_sub(design.pieces.len()) {
-            None => format!("piece {i}"),
-            Some(hole) => format!("the hole at corner {}", hole_corners[hole]),
+    let open = open_surface(mesh, design);
+    let fans = mesh.fans.iter().enumerate();
+    let inner: Vec<usize> = fans.filter(|(_, fan)| fan.closed).map(|(corner, _)| corner).collect();
+    for (i, face) in open.faces.iter().enumerate() {
+        let polygon: Vec<Point3> = face.iter().map(|&v| open.vertices[v]).collect();
+        check_face(&polygon, &outside(goals.open, &polygon), "open", || {
+            match i.checked_sub(design.pieces.len()) {
+                None => format!("piece {i}"),
+                Some(hole) => format!("the hole at corner {}", inner[hole]),
+            }
         })?;
     }
+    folded(design, goals)
+}
+
+/// The direction against which a face of a state is seen counter-clockwise: the goal's normal, or the face's own where
+/// there is none.
+fn outside(goal: Goal, polygon: &[Point3]) -> Vector3 {
+    match goal {
+        Goal::Plane => Vector3::z(),
+        Goal::Surface { target, .. } => target.surface.closest(&centroid(polygon)).normal,
+        Goal::Free => area_vector(polygon).try_normalize(0.0).unwrap_or_default(),
+    }
+}
+
+/// Where a state has no goal, pieces must not fold onto their neighbours: the normals of two that share a hinge are less
+/// than a right angle apart.
+fn folded(design: &Design, goals: &Goals) -> Result<(), Invalid> {
+    for (state, name) in [(State::Closed, "closed"), (State::Open, "open")] {
+        if !matches!(goals.of(state), Goal::Free) {
+            continue;
+        }
+        for hinge in &design.hinges {
+            let [j, k] = hinge.pieces.map(|piece| design.pieces[piece].vertices(state));
+            // A product that is not a number must not pass.
+            if area_vector(j).dot(&area_vector(k)) > 0.0 {
+                continue;
+            }
+            let face = format!("piece {}", hinge.pieces[1]);
+            return Err(Invalid::Face { face, fault: "turned over", state: name, at: centroid(k) });
+        }
+    }
     Ok(())
+}
+
+/// Area of a polygon times its normal.
+fn area_vector(polygon: &[Point3]) -> Vector3 {
+    let origin = polygon[0];
+    polygon.windows(2).map(|pair| 0.5 * (pair[0] - origin).cross(&(pair[1] - origin))).sum()
 }
 
 fn check_face(
@@ -94,8 +128,7 @@ fn check_face(
 /// Area of a polygon projected along `normal`, positive where it runs counter-clockwise seen against the
 /// normal.
 fn signed_area(polygon: &[Point3], normal: &Vector3) -> f64 {
-    let origin = polygon[0];
-    polygon.windows(2).map(|pair| 0.5 * (pair[0] - origin).cross(&(pair[1] - origin)).dot(normal)).sum()
+    area_vector(polygon).dot(normal)
 }
 
 /// Whether two sides that are not neighbours cross, seen along `normal`.

@@ -10,13 +10,14 @@ use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::topology::disk;
 use kirimorph::geometry::{Point2, Point3, Vector2};
-use kirimorph::kirigami::control_mesh::{LinearMap, Target, Targets};
+use kirimorph::kirigami::control_mesh::{ControlMesh, Goal, Goals, LinearMap, Target};
 use kirimorph::kirigami::cover::{Cover, ModelCell, PieceSize, cover};
-use kirimorph::kirigami::filled::filled_surface;
-use kirimorph::kirigami::pattern_terms::{Softly, hard_terms, soft_terms};
+use kirimorph::kirigami::design::{Design, PatternKind, Piece};
+use kirimorph::kirigami::filled::open_surface;
+use kirimorph::kirigami::pattern::{Opening, Pattern, initial_pattern};
+use kirimorph::kirigami::pattern_terms::{hard_terms, soft_terms};
 use kirimorph::kirigami::quality::{coverage, fan_triangles};
 use kirimorph::kirigami::stage3::Phase;
-use kirimorph::kirigami::terms::{Hold, PointAt};
 use kirimorph::kirigami::{pattern, stage2, stage3};
 use kirimorph::solver::{Coupling, Options, Precision, Report, Step, System, Weighted};
 
@@ -29,8 +30,8 @@ pub struct Problem {
     pub open: Target,
     /// `None`: the closed state is a flat sheet.
     pub closed: Option<Target>,
-    /// White vertices, then black ones, of the closed control mesh (z = 0 in the plane) and of the open one.
-    start: [Vec<Point3>; 2],
+    /// Where both control meshes begin.
+    start: ControlMesh,
 }
 
 /// Weights of both stages, and the soft phase's course: (steps, factor of closeness and shape, factor of fairness).
@@ -145,19 +146,27 @@ fn laid(mesh: TriMesh, n: usize) -> (Cover, Vec<Point3>, Target) {
 /// Fine reference meshes, as the paper has them.
 const CELLS: usize = 96;
 
+/// White vertices, then black ones, of each state.
+fn control_mesh(cover: &Cover, mut closed: Vec<Point3>, mut open: Vec<Point3>) -> ControlMesh {
+    let closed_centres = closed.split_off(cover.mesh.corner_count);
+    let open_centres = open.split_off(cover.mesh.corner_count);
+    ControlMesh { closed_corners: closed, closed_centres, open_corners: open, open_centres }
+}
+
 impl Problem {
     /// A flat sheet of n x n pieces to a dome whose height is a quarter of its span.
     pub fn dome(n: usize) -> Self {
         let dome = sheet(CELLS, |u, v| [u, v, 0.5 * (0.5 * PI * u).cos() * (0.5 * PI * v).cos()]);
         let (cover, open_points, open) = laid(of_area(dome, 2.0 * (n * n) as f64), n);
-        let grid = |i: i32| f64::from(i) - 0.5 * n as f64;
-        let corners = cover.positions.iter().map(|&[i, j]| Point3::new(grid(i), grid(j), 0.0));
+        let grid = |i: f64| i - 0.5 * n as f64;
+        let corners = cover.places.iter().map(|&[i, j]| Point3::new(grid(i), grid(j), 0.0));
         let centre = |piece: &Vec<usize>| {
-            let [i, j] = cover.positions[piece[0]];
+            let [i, j] = cover.places[piece[0]];
             Point3::new(grid(i) + 0.5, grid(j) + 0.5, 0.0)
         };
         let closed_points = corners.chain(cover.mesh.pieces.iter().map(centre)).collect();
-        Self { cover, open, closed: None, start: [closed_points, open_points] }
+        let start = control_mesh(&cover, closed_points, open_points);
+        Self { cover, open, closed: None, start }
     }
 
     /// A paraboloid of n x n pieces to a gently waved roof.
@@ -169,15 +178,13 @@ impl Problem {
         let (closed_cover, closed_points, closed) = laid(of_area(paraboloid, pieces), n);
         let (cover, open_points, open) = laid(of_area(roof, 2.0 * pieces), n);
         assert_eq!(closed_cover.mesh, cover.mesh);
-        Self { cover, open, closed: Some(closed), start: [closed_points, open_points] }
+        let start = control_mesh(&cover, closed_points, open_points);
+        Self { cover, open, closed: Some(closed), start }
     }
 
-    fn targets(&self) -> Targets<'_> {
-        Targets { closed: self.closed.as_ref(), open: &self.open }
-    }
-
-    fn closed_dimension(&self) -> usize {
-        if self.closed.is_some() { 3 } else { 2 }
+    fn goals(&self) -> Goals<'_> {
+        let surface = |target| Goal::Surface { target, outline: true };
+        Goals { closed: self.closed.as_ref().map_or(Goal::Plane, surface), open: surface(&self.open) }
     }
 }
 
@@ -195,8 +202,6 @@ pub struct Solved {
     pub stages: [(Energies, f64, &'static str); 3],
     /// Vertices of each piece in the closed and in the open state.
     pub pieces: Vec<[Vec<Point3>; 2]>,
-    /// Open point of each edge.
-    pub open: Vec<Point3>,
 }
 
 fn minimize(system: &mut System, mut terms: Vec<Weighted>, x: &mut [f64], options: &Options) -> Report {
@@ -208,83 +213,52 @@ fn energies(report: &Report) -> Energies {
     report.iterations.iter().map(|iteration| row(&iteration.energies)).collect()
 }
 
-fn read(x: &[f64], at: PointAt) -> Point3 {
-    Point3::new(x[at.start], x[at.start + 1], if at.dimension == 3 { x[at.start + 2] } else { 0.0 })
-}
-
-fn write(x: &mut Vec<f64>, p: &Point3, dimension: usize) {
-    x.extend(p.iter().take(dimension));
-}
-
 /// Runs Stage 2 and both phases of Stage 3.
 pub fn solve(problem: &Problem, course: &Course) -> Solved {
     let clock = Instant::now();
     let (report, control) = second(problem, course);
     let second = (energies(&report), clock.elapsed().as_secs_f64(), report.termination.reason());
-    let (stages, x) = third(problem, course, &control);
-    let [soft, hard] = stages;
-    let at = pattern::Unknowns {
-        corners: problem.cover.mesh.corner_count,
-        closed_dimension: problem.closed_dimension(),
-    };
+    let ([soft, hard], pattern) = third(problem, course, &control);
     let mesh = &problem.cover.mesh;
-    let closed = |e: &usize| read(&x, at.corner(mesh.edges[*e].hinge_corner));
-    let open = |e: &usize| read(&x, at.open(*e));
+    let closed = |&e: &usize| pattern.closed_hinge(mesh, e);
+    let open = |&e: &usize| pattern.open[e];
     let piece = |owned: &Vec<usize>| [owned.iter().map(closed).collect(), owned.iter().map(open).collect()];
-    let pieces = mesh.owned.iter().map(piece).collect();
-    Solved { stages: [second, soft, hard], pieces, open: (0..mesh.edges.len()).map(|e| open(&e)).collect() }
+    Solved { stages: [second, soft, hard], pieces: mesh.owned.iter().map(piece).collect() }
 }
 
-/// Stage 2. Returns the white vertices in both states.
-fn second(problem: &Problem, course: &Course) -> (Report, [Vec<Point3>; 2]) {
+/// Stage 2. Returns the control meshes.
+fn second(problem: &Problem, course: &Course) -> (Report, ControlMesh) {
     let Problem { cover, start, .. } = problem;
-    let (corners, pieces) = (cover.mesh.corner_count, cover.mesh.pieces.len());
-    let closed_dimension = problem.closed_dimension();
-    let at = stage2::Unknowns { corners, pieces, closed_dimension };
-    let mut x = Vec::new();
-    start[0].iter().for_each(|p| write(&mut x, p, closed_dimension));
-    start[1].iter().for_each(|p| write(&mut x, p, 3));
-    let terms = stage2::terms(cover, &start[1], problem.targets(), &at, 0.0, &course.stage2);
-    let mut system = System::new(stage2::places(cover, closed_dimension));
+    let goals = problem.goals();
+    let at = stage2::Unknowns::new(&cover.mesh, &goals);
+    let mut x = at.pack(start, 1.0);
+    let terms =
+        stage2::terms(&stage2::Problem { cover, goals, gap: 0.0, weights: &course.stage2 }, start, &at);
+    let mut system = System::new(at.places(cover));
     let report = minimize(&mut system, terms, &mut x, &course.options(STEPS, course.precision, 1e-4));
-    let closed = (0..corners).map(|c| read(&x, at.closed_corner(c))).collect();
-    (report, [closed, (0..corners).map(|c| read(&x, at.open_corner(c))).collect()])
+    (report, at.unpack(&x, 1.0))
 }
 
-/// Stage 3 from the model cells. Returns its two phases and the unknowns.
+/// Stage 3 from the model cells. Returns its two phases and the pattern.
 fn third(
     problem: &Problem,
     course: &Course,
-    control: &[Vec<Point3>; 2],
-) -> ([(Energies, f64, &'static str); 2], Vec<f64>) {
+    control: &ControlMesh,
+) -> ([(Energies, f64, &'static str); 2], Pattern) {
     let cover = &problem.cover;
-    let mesh = &cover.mesh;
-    let closed_dimension = problem.closed_dimension();
-    let at = pattern::Unknowns { corners: mesh.corner_count, closed_dimension };
+    let goals = problem.goals();
+    let at = pattern::Unknowns::new(&cover.mesh, &goals);
     let clock = Instant::now();
-    let mut x = Vec::new();
-    control[0].iter().for_each(|p| write(&mut x, p, closed_dimension));
-    // The model cell is square: hinges begin in the middles of the open cells' sides.
-    for edge in &mesh.edges {
-        write(&mut x, &nalgebra::center(&control[1][edge.corners[0]], &control[1][edge.corners[1]]), 3);
-    }
-    let border = (0..mesh.edges.len()).filter(|&e| mesh.edges[e].is_border());
-    let holds: Vec<(PointAt, Hold)> = border.map(|e| (at.open(e), Hold::Boundary)).collect();
-    let softly = Softly {
-        cover,
-        targets: problem.targets(),
-        holds: &holds,
-        gap: 0.0,
-        weights: &course.stage3,
-        coupling: course.coupling,
-    };
-    let offsets = vec![Vector2::zeros(); mesh.edges.len()];
-    let mut system = System::new(pattern::places(cover, closed_dimension));
+    let mut pattern = initial_pattern(cover, control, 0.0, Opening::Full);
+    let start = pattern.clone();
+    let stage3 = stage3::Problem { cover, goals, gap: 0.0, weights: &course.stage3 };
+    let mut x = at.pack(&start, 1.0);
+    let mut system = System::new(at.places(cover));
     let (mut soft, mut reason) = (Energies::new(), "");
     for &(steps, factor, fair) in &course.soft {
         let phase = Phase { soft: factor, fair, options: course.options(steps, Precision::Single, 1e-4) };
-        let mut terms = hard_terms(mesh, &at, &offsets, 1.0);
-        terms.extend(soft_terms(&softly, &at, &phase));
+        let mut terms = hard_terms(&cover.mesh, &at, &pattern, 1.0);
+        terms.extend(soft_terms(&stage3, &start, &at, &phase, course.coupling));
         let report = minimize(&mut system, terms, &mut x, &phase.options);
         // A later phase begins where the one before it ended: that row is known.
         soft.extend(energies(&report).split_off(usize::from(!soft.is_empty())));
@@ -292,11 +266,12 @@ fn third(
     }
     let soft = (soft, clock.elapsed().as_secs_f64(), reason);
     let clock = Instant::now();
-    let mut system = System::new(pattern::places(cover, closed_dimension));
-    let terms = hard_terms(mesh, &at, &offsets, 1.0);
+    let mut system = System::new(at.places(cover));
+    let terms = hard_terms(&cover.mesh, &at, &pattern, 1.0);
     let report = minimize(&mut system, terms, &mut x, &course.hard_options());
     let hard = (energies(&report), clock.elapsed().as_secs_f64(), report.termination.reason());
-    ([soft, hard], x)
+    at.unpack(&x, 1.0, &mut pattern);
+    ([soft, hard], pattern)
 }
 
 /// What shows that a pattern is one: nothing of it comes from the optimiser's residuals.
@@ -329,7 +304,21 @@ pub fn figures(problem: &Problem, solved: &Solved) -> Figures {
     let off = |target: &Target, state| {
         largest(&mut vertices(state).map(|p| target.surface.distance(p))) / mean_edge
     };
-    let filled = fan_triangles(&filled_surface(&problem.cover.mesh, &solved.open));
+    let mesh = &problem.cover.mesh;
+    let piece = |([closed, open], corners): (&[Vec<Point3>; 2], &Vec<usize>)| Piece {
+        corners: corners.clone(),
+        closed: closed.clone(),
+        open: open.clone(),
+    };
+    let design = Design {
+        pattern: PatternKind::RotatingRectangles,
+        sheet_state: None,
+        gap: 0.0,
+        corners: Vec::new(),
+        pieces: solved.pieces.iter().zip(&mesh.pieces).map(piece).collect(),
+        hinges: Vec::new(),
+    };
+    let filled = fan_triangles(&open_surface(mesh, &design));
     let volume = |p: &[Point3]| (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
     let height = |p: &[Point3]| (volume(p) / (p[1] - p[0]).cross(&(p[2] - p[0])).norm()).abs();
     let heights = |state: usize| largest(&mut solved.pieces.iter().map(|p| height(&p[state]))) / mean_edge;

@@ -7,13 +7,12 @@ use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::topology::disk;
 use kirimorph::geometry::{Point2, Vector2};
-use kirimorph::kirigami::control_mesh::{LinearMap, Target};
+use kirimorph::kirigami::control_mesh::{Goals, Layout, Layouts, LinearMap, Target};
 use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
 use kirimorph::kirigami::design::Design;
-use kirimorph::kirigami::filled::filled_surface;
 use kirimorph::kirigami::hinges;
 use kirimorph::kirigami::levels::{Climb, Level, Reached};
-use kirimorph::kirigami::pattern::{Pattern, initial_pattern};
+use kirimorph::kirigami::pattern::{Opening, Pattern, initial_pattern};
 use kirimorph::kirigami::quality::{Quality, measure};
 use kirimorph::kirigami::{stage2, stage3};
 use kirimorph::solver::{Journal, Report, Run, Step};
@@ -33,9 +32,10 @@ pub struct Solved {
 impl Solved {
     /// A pattern's design and its measures.
     pub fn measured(&self, pattern: &Pattern) -> (Design, Quality) {
-        let design = hinges::design(&self.cover.mesh, pattern, self.gap);
-        let filled = filled_surface(&self.cover.mesh, &pattern.open);
-        let quality = measure(&design, &filled, &self.target, self.cover.cell.edge(), self.stretch_ratio);
+        let goals = Goals::opening(&self.target);
+        let mesh = &self.cover.mesh;
+        let design = hinges::design(mesh, pattern, self.gap, goals.sheet_state());
+        let quality = measure(&design, mesh, &goals, self.cover.cell.edge(), self.stretch_ratio);
         (design, quality)
     }
 }
@@ -56,12 +56,18 @@ pub fn solve(
     let target = Target::new(mesh.clone(), &cycle);
     let mut levels = vec![Level { cover, gap }];
     let weights = (stage2::Weights::default(), stage3::Weights::default());
-    let lift = LinearMap::new(mesh.clone(), &flat);
-    let climb =
-        Climb { levels: &levels, lift: &lift, target: &target, stage2: &weights.0, stage3: &weights.1 };
+    let open = Layout::Lifted(LinearMap::new(mesh.clone(), &flat));
+    let climb = Climb {
+        levels: &levels,
+        layouts: &Layouts { closed: Layout::Grid, open },
+        goals: Goals::opening(&target),
+        opening: Opening::Full,
+        stage2: &weights.0,
+        stage3: &weights.1,
+    };
     let run = &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
     let (control, second) = climb.stage2(run);
-    let start = initial_pattern(&levels[0].cover, &control, gap);
+    let start = initial_pattern(&levels[0].cover, &control, gap, Opening::Full);
     let Reached { pattern, reports: third, .. } = climb.stage3(control, run);
     let Level { cover, .. } = levels.pop().unwrap();
     let stretch_ratio = scale.ratio();

@@ -3,12 +3,11 @@
 use super::*;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point2, Point3, Vector2};
-use crate::kirigami::control_mesh::{LinearMap, Target, Targets, stage1};
+use crate::kirigami::control_mesh::{Goals, Layout, Layouts, LinearMap, Target, stage1};
 use crate::kirigami::cover::{PieceSize, cover};
-use crate::kirigami::pattern::{Unknowns, initial_pattern, pack};
-use crate::kirigami::pattern_terms::{Softly, hard_terms, soft_terms};
-use crate::kirigami::stage2::border_holds;
-use crate::kirigami::stage3::{Regime, Weights};
+use crate::kirigami::pattern::{Opening, Unknowns, initial_pattern};
+use crate::kirigami::pattern_terms::{hard_terms, soft_terms};
+use crate::kirigami::stage3::{Problem, Regime, Weights};
 use crate::solver::{Coupling, Term};
 
 /// The largest residual of a term.
@@ -31,23 +30,17 @@ fn rotating_rectangles_leave_no_residual() {
     let cover = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 4]), stretches, 0.0, None).unwrap();
     let vertices = outline.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
     let mesh = TriMesh { vertices, faces: vec![[0, 1, 2], [0, 2, 3]] };
-    let pattern = initial_pattern(&cover, &stage1(&cover, &LinearMap::new(mesh.clone(), &outline)), 0.0);
+    let open = Layout::Lifted(LinearMap::new(mesh.clone(), &outline));
+    let control = stage1(&cover, &Layouts { closed: Layout::Grid, open });
+    let pattern = initial_pattern(&cover, &control, 0.0, Opening::Full);
     let target = Target::new(mesh, &[0, 1, 2, 3]);
-    let (at, scale) = (Unknowns { corners: cover.mesh.corner_count, closed_dimension: 2 }, cover.cell.edge());
-    let border = cover.mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
-    let holds = border_holds(border.map(|(e, _)| (at.open(e), pattern.open[e])), &target, cover.boundary);
+    let goals = Goals::opening(&target);
+    let (at, scale) = (Unknowns::new(&cover.mesh, &goals), cover.cell.edge());
     let weights = Weights { corners: 0.0, ..Weights::default() };
-    let softly = Softly {
-        cover: &cover,
-        targets: Targets { closed: None, open: &target },
-        holds: &holds,
-        gap: 0.0,
-        weights: &weights,
-        coupling: Coupling::Full,
-    };
-    let mut terms = hard_terms(&cover.mesh, &at, &pattern.offsets, scale);
-    terms.extend(soft_terms(&softly, &at, &Regime::from_model().phases[0]));
-    let x = pack(&pattern, scale);
+    let problem = Problem { cover: &cover, goals, gap: 0.0, weights: &weights };
+    let mut terms = hard_terms(&cover.mesh, &at, &pattern, scale);
+    terms.extend(soft_terms(&problem, &pattern, &at, &Regime::from_model().phases[0], Coupling::Full));
+    let x = at.pack(&pattern, scale);
     let names: Vec<&str> = terms.iter().map(|weighted| weighted.term.name()).collect();
     let all = ["isom", "planarity", "prox", "boundary", "sides", "opening", "rectangles", "widths"];
     assert_eq!(names, [&all[..], &["fair-closed", "fair-open"]].concat());
@@ -82,8 +75,10 @@ fn bistable_cells_snap_without_strain() {
     assert!((moved[0] - snapped[3]).norm() < 1e-15, "the hinge holds");
     assert!((moved[2] - Vector2::new(0.5 * grown[0], 0.5 * grown[1])).norm() < 1e-15);
     for (closed, open) in [(rectangle, snapped), (quarter, moved)] {
+        let corner = |i: usize| PointAt { start: 2 * i, dimension: 2 };
+        let vertex = |i| ClosedVertex { corner: corner(i), offset: Vector3::zeros(), lift: None };
         let piece = PieceAt {
-            closed: (0..4).map(|i| (PointAt { start: 2 * i, dimension: 2 }, Vector3::zeros())).collect(),
+            closed: (0..4).map(vertex).collect(),
             open: (0..4).map(|i| PointAt { start: 8 + 3 * i, dimension: 3 }).collect(),
         };
         let plane = closed.iter().flat_map(|p| [p.x, p.y]);

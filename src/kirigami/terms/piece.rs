@@ -4,28 +4,48 @@ use super::PointAt;
 use crate::geometry::Vector3;
 use crate::solver::Term;
 
-/// A piece as the unknowns see it: per vertex the closed corner with its fixed offset, and the open point.
+/// A closed vertex as the unknowns see it.
+#[derive(Debug, Clone, Copy)]
+pub struct ClosedVertex {
+    /// The corner's point.
+    pub corner: PointAt,
+    /// What is added to it.
+    pub offset: Vector3,
+    /// An unknown, and what is added for each unit of it. All vertices of a piece have one, or none has.
+    pub lift: Option<(usize, Vector3)>,
+}
+
+impl ClosedVertex {
+    fn read(&self, x: &[f64]) -> Vector3 {
+        let lift = self.lift.map_or(Vector3::zeros(), |(unknown, direction)| direction * x[unknown]);
+        self.corner.read(x) + self.offset + lift
+    }
+}
+
+/// A piece as the unknowns see it.
 #[derive(Debug, Clone)]
 pub struct PieceAt {
-    /// The closed vertex is the corner's point plus the offset.
-    pub closed: Vec<(PointAt, Vector3)>,
+    /// The closed vertices.
+    pub closed: Vec<ClosedVertex>,
     /// The open vertex.
     pub open: Vec<PointAt>,
 }
 
 impl PieceAt {
     fn unknowns(&self) -> Vec<usize> {
-        let closed = self.closed.iter().flat_map(|(p, _)| p.indices());
-        closed.chain(self.open_unknowns()).collect()
+        let closed = self.closed.iter().flat_map(|vertex| vertex.corner.indices());
+        let open = self.open.iter().flat_map(|p| p.indices());
+        closed.chain(open).chain(self.lifts()).collect()
     }
 
-    /// Whether the closed state lies in the plane.
-    fn is_flat(&self) -> bool {
-        self.closed[0].0.dimension == 2
+    /// Dimensions of the closed and of the open state.
+    fn dimensions(&self) -> [usize; 2] {
+        [self.closed[0].corner.dimension, self.open[0].dimension]
     }
 
-    fn open_unknowns(&self) -> impl Iterator<Item = usize> {
-        self.open.iter().flat_map(|p| p.indices())
+    /// The unknowns that lift its closed vertices.
+    fn lifts(&self) -> impl Iterator<Item = usize> {
+        self.closed.iter().filter_map(|vertex| Some(vertex.lift?.0))
     }
 }
 
@@ -58,24 +78,29 @@ impl Term for Isometry {
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
         let (piece, unknowns) = &self.pieces[b];
         let n = piece.open.len();
-        let plane = piece.closed[0].0.dimension;
+        let [closed_dimension, open_dimension] = piece.dimensions();
         let columns = unknowns.len();
         let mut row = 0;
         for i in 0..n {
             for j in i + 1..n {
-                let ((p, p_offset), (q, q_offset)) = (&piece.closed[i], &piece.closed[j]);
-                let closed = p.read(x) + p_offset - q.read(x) - q_offset;
+                let (p, q) = (&piece.closed[i], &piece.closed[j]);
+                let closed = p.read(x) - q.read(x);
                 let open = piece.open[i].read(x) - piece.open[j].read(x);
                 residuals[row] = closed.norm_squared() - open.norm_squared();
                 let line = &mut jacobian[row * columns..(row + 1) * columns];
-                for axis in 0..plane {
-                    line[i * plane + axis] = 2.0 * closed[axis];
-                    line[j * plane + axis] = -2.0 * closed[axis];
+                for axis in 0..closed_dimension {
+                    line[i * closed_dimension + axis] = 2.0 * closed[axis];
+                    line[j * closed_dimension + axis] = -2.0 * closed[axis];
                 }
-                let first_open = n * plane;
-                for axis in 0..3 {
-                    line[first_open + 3 * i + axis] = -2.0 * open[axis];
-                    line[first_open + 3 * j + axis] = 2.0 * open[axis];
+                let line = &mut line[n * closed_dimension..];
+                for axis in 0..open_dimension {
+                    line[i * open_dimension + axis] = -2.0 * open[axis];
+                    line[j * open_dimension + axis] = 2.0 * open[axis];
+                }
+                if let (Some((_, up)), Some((_, down))) = (p.lift, q.lift) {
+                    let line = &mut line[n * open_dimension..];
+                    line[i] = 2.0 * closed.dot(&up);
+                    line[j] = -2.0 * closed.dot(&down);
                 }
                 row += 1;
             }
@@ -83,19 +108,23 @@ impl Term for Isometry {
     }
 }
 
-/// Pieces keep their signed volumes: those spanned by vertices 0, 1, 2 and each further one are the same in both
-/// states, open minus closed. One residual per further vertex.
+/// Pieces stay flat: the signed volumes spanned by vertices 0, 1, 2 and each further one vanish in every state that lies
+/// in space. One residual per further vertex and such state.
 ///
-/// In a flat closed state they vanish, so that pieces stay flat. (The distances of Eq. (7) see a flat piece's bending
-/// to second order only, and do not tell a piece from its mirror image.)
+/// The distances of Eq. (7) see a flat piece's bending to second order only; where one state is flat they leave it free
+/// to first order in the other.
 pub struct Planarity {
     pieces: Vec<(PieceAt, Vec<usize>)>,
 }
 
 impl Planarity {
-    /// Over these pieces. Closed vertices in the plane do not count among the unknowns.
+    /// Over these pieces. Vertices in the plane do not count among the unknowns.
     pub fn new(pieces: &[PieceAt]) -> Self {
-        let unknowns = |p: &PieceAt| if p.is_flat() { p.open_unknowns().collect() } else { p.unknowns() };
+        let unknowns = |piece: &PieceAt| {
+            let closed = piece.closed.iter().map(|vertex| &vertex.corner);
+            let in_space = closed.chain(&piece.open).filter(|p| p.dimension == 3);
+            in_space.flat_map(|p| p.indices()).chain(piece.lifts()).collect()
+        };
         Self { pieces: pieces.iter().map(|piece| (piece.clone(), unknowns(piece))).collect() }
     }
 }
@@ -108,7 +137,9 @@ impl Term for Planarity {
         self.pieces.len()
     }
     fn rows(&self, b: usize) -> usize {
-        self.pieces[b].0.open.len() - 3
+        let piece = &self.pieces[b].0;
+        let states = piece.dimensions().into_iter().filter(|&dimension| dimension == 3).count();
+        states * (piece.open.len() - 3)
     }
     fn unknowns(&self, b: usize) -> &[usize] {
         &self.pieces[b].1
@@ -116,28 +147,40 @@ impl Term for Planarity {
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
         let (piece, unknowns) = &self.pieces[b];
         let n = piece.open.len();
-        let first_open = unknowns.len() - 3 * n;
-        for k in 3..n {
-            let line = &mut jacobian[(k - 3) * unknowns.len()..][..unknowns.len()];
-            let (closed, open) = line.split_at_mut(first_open);
-            residuals[k - 3] = volume(k, |i| piece.open[i].read(x), 1.0, open);
-            if !piece.is_flat() {
-                let at = |i: usize| piece.closed[i].0.read(x) + piece.closed[i].1;
-                residuals[k - 3] -= volume(k, at, -1.0, closed);
+        let closed = |i: usize| piece.closed[i].read(x);
+        let open = |i: usize| piece.open[i].read(x);
+        let (mut row, mut column) = (0, 0);
+        for (dimension, at) in
+            piece.dimensions().into_iter().zip([&closed as &dyn Fn(usize) -> Vector3, &open])
+        {
+            if dimension != 3 {
+                continue;
+            }
+            for k in 3..n {
+                residuals[row] = volume(k, at, &mut jacobian[row * unknowns.len() + column..][..3 * n]);
+                row += 1;
+            }
+            column += 3 * n;
+        }
+        // What lifts a closed vertex moves it like its corner: the closed rows and columns come first.
+        for (i, vertex) in piece.closed.iter().enumerate() {
+            let Some((_, direction)) = vertex.lift else { continue };
+            for line in jacobian.chunks_exact_mut(unknowns.len()).take(n - 3) {
+                line[column + i] = (0..3).map(|axis| line[3 * i + axis] * direction[axis]).sum();
             }
         }
     }
 }
 
-/// Six times the signed volume of the tetrahedron of points 0, 1, 2 and `k`. Adds its derivatives, times `sign`, to
-/// `line` (three entries per point).
-fn volume(k: usize, at: impl Fn(usize) -> Vector3, sign: f64, line: &mut [f64]) -> f64 {
+/// Six times the signed volume of the tetrahedron of points 0, 1, 2 and `k`. Adds its derivatives to `line` (three entries
+/// per point).
+fn volume(k: usize, at: &dyn Fn(usize) -> Vector3, line: &mut [f64]) -> f64 {
     let origin = at(0);
     let [u, v, w] = [1, 2, k].map(|i| at(i) - origin);
     for (vertex, slope) in [(1, v.cross(&w)), (2, w.cross(&u)), (k, u.cross(&v))] {
         for axis in 0..3 {
-            line[3 * vertex + axis] += sign * slope[axis];
-            line[axis] -= sign * slope[axis];
+            line[3 * vertex + axis] += slope[axis];
+            line[axis] -= slope[axis];
         }
     }
     u.cross(&v).dot(&w)

@@ -6,7 +6,7 @@ use crate::kirigami::control_mesh::Target;
 use crate::solver::Term;
 use rayon::prelude::*;
 
-/// What a point of the open state is held to. Within the plane that this gives it may glide.
+/// What a point of a state is held to. Within the plane that this gives it may glide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hold {
     /// The target's surface: c_prox, the distance to the tangent plane at the nearest point.

@@ -20,8 +20,25 @@ fn piece(n: usize) -> PieceAt {
 
 /// A piece whose closed state has this dimension.
 fn piece_in(d: usize, n: usize) -> PieceAt {
-    let closed = (0..n).map(|i| (at(d * i, d), Vector3::new(0.1 * i as f64, -0.05, 0.0))).collect();
-    PieceAt { closed, open: (0..n).map(|i| at(d * n + 3 * i, 3)).collect() }
+    piece_between(d, 3, n)
+}
+
+/// A piece whose states have these dimensions.
+fn piece_between(closed: usize, open: usize, n: usize) -> PieceAt {
+    let offset = |i: usize| Vector3::new(0.1 * i as f64, -0.05, 0.0);
+    let vertex = |i| ClosedVertex { corner: at(closed * i, closed), offset: offset(i), lift: None };
+    PieceAt {
+        closed: (0..n).map(vertex).collect(),
+        open: (0..n).map(|i| at(closed * n + open * i, open)).collect(),
+    }
+}
+
+/// A piece whose closed vertices are lifted by unknowns of their own.
+fn lifted(mut piece: PieceAt) -> PieceAt {
+    for (i, vertex) in piece.closed.iter_mut().enumerate() {
+        vertex.lift = Some((34 + i, Vector3::new(0.2, -0.3, 0.9 - 0.1 * i as f64)));
+    }
+    piece
 }
 
 fn target() -> Target {
@@ -48,6 +65,11 @@ fn jacobians_agree_with_differences() {
         Box::new(Planarity::new(&[piece(4), piece(6)])),
         Box::new(Isometry::new(&[piece_in(3, 4), piece_in(3, 5)])),
         Box::new(Planarity::new(&[piece_in(3, 4), piece_in(3, 6)])),
+        Box::new(Isometry::new(&[lifted(piece_between(3, 2, 4)), lifted(piece_between(3, 3, 5))])),
+        Box::new(Planarity::new(&[lifted(piece_between(3, 2, 4)), lifted(piece_between(3, 3, 5))])),
+        Box::new(Isometry::new(&[piece_between(3, 2, 4), piece_between(3, 2, 5)])),
+        Box::new(Planarity::new(&[piece_between(3, 2, 4), piece_between(3, 2, 6)])),
+        Box::new(LeastWidths::new([[at(0, 3), at(6, 3), at(30, 3)], [at(30, 3), at(0, 3), at(6, 3)]], 9.0)),
         Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
         Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
         Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),
@@ -158,9 +180,9 @@ fn a_rigid_motion_has_no_isometry_residual() {
     let closed = [[0.0, 0.0], [1.0, 0.1], [1.1, 0.9], [-0.1, 1.0]];
     let mut x: Vec<f64> = closed.concat();
     let turn = nalgebra::Rotation3::from_euler_angles(0.4, -0.8, 2.0);
-    for (i, (_, offset)) in piece.closed.iter().enumerate() {
-        let p =
-            turn * (Vector3::new(closed[i][0], closed[i][1], 0.0) + offset) + Vector3::new(3.0, 1.0, -2.0);
+    for (i, vertex) in piece.closed.iter().enumerate() {
+        let place = Vector3::new(closed[i][0], closed[i][1], 0.0) + vertex.offset;
+        let p = turn * place + Vector3::new(3.0, 1.0, -2.0);
         x.extend(p.iter());
     }
     let mut residuals = [0.0; 6];
@@ -171,30 +193,41 @@ fn a_rigid_motion_has_no_isometry_residual() {
 }
 
 #[test]
-fn a_bent_piece_keeps_its_volume_in_a_rigid_motion_and_not_in_a_mirror() {
+fn bending_a_flat_piece_shows_to_first_order_in_either_state() {
     let mut piece = piece_in(3, 5);
-    piece.closed.iter_mut().for_each(|(_, offset)| *offset = Vector3::zeros());
-    let closed = scattered(15);
+    piece.closed.iter_mut().for_each(|vertex| vertex.offset = Vector3::zeros());
+    let flat: Vec<f64> = [[0.0, 0.0], [1.0, 0.1], [1.1, 0.9], [0.4, 1.3], [-0.1, 1.0]]
+        .into_iter()
+        .flat_map(|[x, y]| [x, y, 0.0])
+        .collect();
     let turn = nalgebra::Rotation3::from_euler_angles(-1.1, 0.3, 0.8);
-    let moved = |flip: f64| -> Vec<f64> {
-        let points = closed.chunks(3).map(|p| turn * Vector3::new(p[0], p[1], flip * p[2]));
-        points.flat_map(|p| [p.x + 2.0, p.y - 1.0, p.z + 0.5]).collect()
+    let moved = |points: &[f64]| -> Vec<f64> {
+        points.chunks(3).flat_map(|p| (turn * Vector3::new(p[0], p[1], p[2])).data.0[0]).collect()
     };
-    let residuals = |open: Vec<f64>| {
-        let mut residuals = [[0.0; 10], [0.0; 10]];
-        let x = [closed.clone(), open].concat();
+    let residuals = |closed: &[f64], open: &[f64]| {
         let terms: [Box<dyn Term>; 2] = [
             Box::new(Isometry::new(std::slice::from_ref(&piece))),
             Box::new(Planarity::new(std::slice::from_ref(&piece))),
         ];
-        for (term, residuals) in terms.iter().zip(&mut residuals) {
-            let rows = term.rows(0);
-            term.evaluate(0, &x, &mut residuals[..rows], &mut vec![0.0; rows * 30]);
-        }
-        residuals.map(|r| r.iter().fold(0.0_f64, |m, v| m.max(v.abs())))
+        let x = [closed, open].concat();
+        terms.map(|term| {
+            let mut residuals = vec![0.0; term.rows(0)];
+            term.evaluate(0, &x, &mut residuals, &mut vec![0.0; term.rows(0) * 30]);
+            residuals
+        })
     };
-    let [isometry, volume] = residuals(moved(1.0));
-    assert!(isometry < 1e-13 && volume < 1e-13, "{isometry} {volume}");
-    let [isometry, volume] = residuals(moved(-1.0));
-    assert!(isometry < 1e-13 && volume > 1.0, "{isometry} {volume}");
+    let largest = |r: &[f64]| r.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let [isometry, planarity] = residuals(&flat, &moved(&flat));
+    assert_eq!(planarity.len(), 4);
+    assert!(largest(&isometry) < 1e-14 && largest(&planarity) < 1e-14);
+    // Lift the last vertex by a millionth: twice the area of the first triangle times that, in the bent state only.
+    let lift = 1e-6;
+    let bent: Vec<f64> = flat.iter().enumerate().map(|(i, v)| if i == 14 { v + lift } else { *v }).collect();
+    let area = 1.0 * 0.9 - 0.1 * 1.1;
+    for (closed, open, row) in [(&bent, moved(&flat), 1), (&flat, moved(&bent), 3)] {
+        let [isometry, planarity] = residuals(closed, &open);
+        assert!(largest(&isometry) < 1e-11);
+        assert!((planarity[row] - area * lift).abs() < 1e-14, "{planarity:?}");
+        assert!(planarity.iter().enumerate().all(|(i, v)| i == row || v.abs() < 1e-14));
+    }
 }

@@ -8,14 +8,15 @@ use crate::solver::Term;
 /// least a given one. One residual per corner, zero where that holds: pieces that are wide enough do not feel it.
 ///
 /// Over all corners of a quad these heights are its width: the least distance of a vertex from a side that does not
-/// touch it. A corner that is turned over has a negative height.
+/// touch it. In the plane a corner that is turned over has a negative height; in space heights have no sign.
 pub struct LeastWidths {
     corners: Vec<([PointAt; 3], Vec<usize>)>,
     least: f64,
 }
 
 impl LeastWidths {
-    /// Each corner with its next and its previous neighbour, counter-clockwise in the plane; `least` in mean edges.
+    /// Each corner with its next and its previous neighbour, counter-clockwise in the plane; `least` in mean edges. All points have
+    /// the same dimension.
     pub fn new(corners: impl IntoIterator<Item = [PointAt; 3]>, least: f64) -> Self {
         Self { corners: corners.into_iter().map(|points| (points, indices(&points))).collect(), least }
     }
@@ -37,7 +38,14 @@ impl Term for LeastWidths {
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
         let [apex, next, previous] = self.corners[b].0.map(|point| point.read(x));
         let (u, v) = (next - apex, previous - apex);
-        let area = u.x * v.y - u.y * v.x;
+        let cross = u.cross(&v);
+        // The direction in which areas count as positive.
+        let up = if self.corners[b].0[0].dimension == 2 {
+            Vector3::z()
+        } else {
+            cross.try_normalize(0.0).unwrap_or_default()
+        };
+        let area = cross.dot(&up);
         let along_u = u.norm_squared() > v.norm_squared();
         let length = if along_u { u.norm() } else { v.norm() }.max(f64::MIN_POSITIVE);
         let height = area / length;
@@ -47,18 +55,19 @@ impl Term for LeastWidths {
             return;
         }
         residuals[0] = self.least - height;
-        // d area = v.y du.x - v.x du.y - u.y dv.x + u.x dv.y, and the length changes along the longer side.
-        let mut du = Vector3::new(v.y, -v.x, 0.0) / length;
-        let mut dv = Vector3::new(-u.y, u.x, 0.0) / length;
+        // d area = (v x up) . du + (up x u) . dv, and the length changes along the longer side.
+        let mut du = v.cross(&up) / length;
+        let mut dv = up.cross(&u) / length;
         if along_u {
             du -= u * (height / (length * length));
         } else {
             dv -= v * (height / (length * length));
         }
-        for axis in 0..2 {
+        let dimension = self.corners[b].0[0].dimension;
+        for axis in 0..dimension {
             jacobian[axis] = du[axis] + dv[axis];
-            jacobian[2 + axis] = -du[axis];
-            jacobian[4 + axis] = -dv[axis];
+            jacobian[dimension + axis] = -du[axis];
+            jacobian[2 * dimension + axis] = -dv[axis];
         }
     }
 }

@@ -10,13 +10,12 @@ use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::topology::disk;
 use kirimorph::geometry::{Point2, Point3, Vector2};
 use kirimorph::job::{Job, read_job};
-use kirimorph::kirigami::control_mesh::{ControlMesh, LinearMap, Target, Targets, stage1};
+use kirimorph::kirigami::control_mesh::{ControlMesh, Goals, Layout, Layouts, LinearMap, Target, stage1};
 use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
-use kirimorph::kirigami::pattern::{self, Pattern, Unknowns, initial_pattern};
-use kirimorph::kirigami::pattern_terms::{Softly, hard_terms, soft_terms};
+use kirimorph::kirigami::pattern::{Opening, Pattern, Unknowns, initial_pattern};
+use kirimorph::kirigami::pattern_terms::{hard_terms, soft_terms};
 use kirimorph::kirigami::stage2::{self, stage2};
 use kirimorph::kirigami::stage3::{self, Phase, Regime, stage3};
-use kirimorph::kirigami::terms::{Hold, PointAt};
 use kirimorph::solver::{Coupling, Journal, Options, Precision, Run, Step, Weighted};
 
 /// Pieces along a side; the last only where the environment variable [`LARGE`] is set.
@@ -76,7 +75,6 @@ pub struct Problem {
     pub cover: Cover,
     pub control: ControlMesh,
     pub start: Pattern,
-    holds: Vec<(PointAt, Hold)>,
     stage3: stage3::Weights,
 }
 
@@ -91,13 +89,11 @@ impl Problem {
         let stretches = [std::f64::consts::SQRT_2; 2];
         let counts = PieceSize::Counts([side; 2]);
         let cover = cover(&outline, &Vector2::x(), counts, stretches, GAP, None).unwrap();
-        let control = stage1(&cover, &LinearMap::new(mesh.clone(), &points));
-        let start = initial_pattern(&cover, &control, GAP);
-        let at = Unknowns { corners: cover.mesh.corner_count, closed_dimension: 2 };
-        let border = cover.mesh.edges.iter().enumerate().filter(|(_, edge)| edge.is_border());
-        let holds = border.map(|(e, _)| (at.open(e), Hold::Boundary)).collect();
+        let open = Layout::Lifted(LinearMap::new(mesh.clone(), &points));
+        let control = stage1(&cover, &Layouts { closed: Layout::Grid, open });
+        let start = initial_pattern(&cover, &control, GAP, Opening::Full);
         let target = Target::new(mesh.clone(), &cycle);
-        Self { side, mesh, scale, target, cover, control, start, holds, stage3: stage3::Weights::default() }
+        Self { side, mesh, scale, target, cover, control, start, stage3: stage3::Weights::default() }
     }
 
     /// Number of pieces.
@@ -107,30 +103,28 @@ impl Problem {
 
     /// A place of each unknown of Stage 3.
     pub fn places(&self) -> Vec<[f64; 2]> {
-        pattern::places(&self.cover, 2)
+        self.at().places(&self.cover)
     }
 
     /// The unknowns of Stage 3 at its start.
     pub fn unknowns(&self) -> Vec<f64> {
-        pattern::pack(&self.start, self.cover.cell.edge())
+        self.at().pack(&self.start, self.cover.cell.edge())
+    }
+
+    fn at(&self) -> Unknowns {
+        Unknowns::new(&self.cover.mesh, &Goals::opening(&self.target))
     }
 
     /// The terms of Stage 3.
     pub fn terms(&self, which: Terms) -> Vec<Weighted<'_>> {
-        let Self { cover, target, start, holds, stage3: weights, .. } = self;
-        let at = Unknowns { corners: cover.mesh.corner_count, closed_dimension: 2 };
-        let mut terms = hard_terms(&cover.mesh, &at, &start.offsets, cover.cell.edge());
+        let Self { cover, target, start, stage3: weights, .. } = self;
+        let at = self.at();
+        let mut terms = hard_terms(&cover.mesh, &at, start, cover.cell.edge());
         let coupling = if which == Terms::SoftByPlace { Coupling::ByPlace } else { Coupling::Full };
         if which != Terms::Hard {
-            let softly = Softly {
-                cover,
-                targets: Targets { closed: None, open: target },
-                holds,
-                gap: GAP,
-                weights,
-                coupling,
-            };
-            terms.extend(soft_terms(&softly, &at, &Phase { soft: 1.0, fair: 1.0, options: fixed(1) }));
+            let problem = stage3::Problem { cover, goals: Goals::opening(target), gap: GAP, weights };
+            let phase = Phase { soft: 1.0, fair: 1.0, options: fixed(1) };
+            terms.extend(soft_terms(&problem, start, &at, &phase, coupling));
         }
         terms
     }
@@ -145,8 +139,10 @@ impl Problem {
     pub fn stage2(&self, steps: usize) -> Vec<f64> {
         let Self { cover, target, control, .. } = self;
         let weights = stage2::Weights::default();
+        let goals = Goals::opening(target);
+        let problem = stage2::Problem { cover, goals, gap: GAP, weights: &weights };
         clocked(|run| {
-            stage2(cover, control, target, GAP, &weights, &fixed(steps), "stage-2", run);
+            stage2(&problem, control, &fixed(steps), "stage-2", run);
         })
         .swap_remove(0)
     }
@@ -161,7 +157,7 @@ impl Problem {
             Phase { soft: 0.0, fair: 0.0, options: hard },
         ];
         let regime = Regime { phases, coupling };
-        let problem = stage3::Problem { cover, target, gap: GAP, weights };
+        let problem = stage3::Problem { cover, goals: Goals::opening(target), gap: GAP, weights };
         let seconds = clocked(|run| {
             stage3(&problem, start.clone(), start, &regime, "stage-3", run);
         });

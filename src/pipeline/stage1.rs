@@ -1,0 +1,335 @@
+//! Stage 1: from the targets to grids, and where both states begin.
+//!
+//! Every grid is laid over a part of the plane. What part, and how the two states come from there, is all that tells the
+//! cases apart:
+//!
+//! | closed | open | the grid lies over | closed state | open state |
+//! | :-- | :-- | :-- | :-- | :-- |
+//! | flat | mesh | the open target laid flat | regular grid | lifted into the target |
+//! | mesh | flat | the closed target laid flat, stretched to the open size | lifted | regular grid |
+//! | mesh | free | likewise | lifted | the closed target, enlarged |
+//! | mesh | mesh | the open target laid flat | lifted into the closed target laid flat likewise | lifted |
+//! | any, variable opening | mesh | the closed sheet | as it is, or lifted | lifted |
+
+use super::error::PipelineError;
+use super::surfaces::{LaidFlat, TargetMesh, Targets, first_axis};
+use crate::geometry::flatten::{Flattening, conformal_points};
+use crate::geometry::mesh::TriMesh;
+use crate::geometry::{Point2, Vector2};
+use crate::job::{Job, Opening, Shape};
+use crate::kirigami::control_mesh::{Goal, Goals, Layout, Layouts, LinearMap, Target};
+use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis};
+use crate::kirigami::levels::{COARSEST, Level};
+use crate::solver;
+
+/// What a state is to become, with what that needs.
+pub(super) enum Aim {
+    /// A flat sheet.
+    Plane,
+    /// A surface, border to boundary or only lying in it.
+    Surface(Target, Outline),
+    /// Whatever its pieces make of it.
+    Free,
+}
+
+/// Whether the border of the sheet is held to the boundary of a surface.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Outline {
+    Held,
+    Left,
+}
+
+impl Aim {
+    fn goal(&self) -> Goal<'_> {
+        match self {
+            Self::Plane => Goal::Plane,
+            Self::Surface(target, outline) => Goal::Surface { target, outline: *outline == Outline::Held },
+            Self::Free => Goal::Free,
+        }
+    }
+}
+
+/// What both states are to become.
+pub(super) struct Aims {
+    pub closed: Aim,
+    pub open: Aim,
+}
+
+impl Aims {
+    pub fn goals(&self) -> Goals<'_> {
+        Goals { closed: self.closed.goal(), open: self.open.goal() }
+    }
+}
+
+/// Where Stages 2 and 3 begin.
+pub(super) struct Begun {
+    /// The grids, the coarsest first.
+    pub levels: Vec<Level>,
+    pub layouts: Layouts,
+    pub aims: Aims,
+    /// Largest over smallest scale of the conformal flattening of the target that decides.
+    pub ratio: f64,
+    pub reports: Vec<solver::Report>,
+}
+
+/// Lays grids into the targets of a job.
+///
+/// # Errors
+/// Targets that cannot be laid flat or curve too much, too few or too many pieces, pieces too small for their hinges, a
+/// closed target that is too small.
+pub(super) fn begin(job: &Job, targets: Targets) -> Result<Begun, PipelineError> {
+    let correspond = targets.correspond;
+    match (targets.closed, targets.open) {
+        (None, Some(open)) if job.pattern.opening == Opening::Variable => variable(job, open),
+        (None, Some(open)) => opening(job, open),
+        (Some(closed), None) => closing(job, closed),
+        (Some(closed), Some(open)) if correspond => map(job, closed, open),
+        (Some(closed), Some(open)) => between(job, closed, open),
+        (None, None) => unreachable!("the job reader asks for a mesh"),
+    }
+}
+
+/// A target as what a state is to become.
+fn surface(target: TargetMesh, outline: Outline) -> Aim {
+    Aim::Surface(Target::new(target.mesh, &target.cycle), outline)
+}
+
+/// A flat closed sheet that opens to a surface.
+fn opening(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
+    let flat = open.lay_flat()?;
+    let first = first_axis(&open.mesh, &flat.points);
+    let outline = open.outline(&flat.points);
+    let levels = grids(job, |size, gap| {
+        cover(&outline, &first, size, job.pattern.stretches, gap, job.pattern.boundary)
+    })?;
+    let lift = LinearMap::new(open.mesh.clone(), &flat.points);
+    let layouts = Layouts { closed: Layout::Grid, open: Layout::Lifted(lift) };
+    Ok(begun(levels, layouts, Aims { closed: Aim::Plane, open: surface(open, Outline::Held) }, &flat))
+}
+
+/// A closed sheet on a surface that opens flat, or to whatever its pieces make of it.
+fn closing(job: &Job, closed: TargetMesh) -> Result<Begun, PipelineError> {
+    let flat = closed.lay_flat()?;
+    let first = first_axis(&closed.mesh, &flat.points);
+    let axis = grid_axis(&closed.outline(&flat.points), &first);
+    let lay = |size, gap, by: [f64; 2]| {
+        let points: Vec<Point2> = flat.points.iter().map(|p| stretched(p, &axis, by)).collect();
+        cover(&closed.outline(&points), &axis, size, job.pattern.stretches, gap, job.pattern.boundary)
+    };
+    // The closed cells have the gap in them: the open state is larger by a little less than the stretches, by how much
+    // depends on the size of the pieces. Each round brings the factors nearer by the gap's part of a piece.
+    let by = |size, gap| -> Result<[f64; 2], CoverError> {
+        let mut by = job.pattern.stretches;
+        for _ in 0..ROUNDS {
+            let cell = lay(size, gap, by)?.cell;
+            by = cell.closed.map(|side| cell.open / side);
+        }
+        Ok(by)
+    };
+    let levels = grids(job, |size, gap| lay(size, gap, by(size, gap)?))?;
+    let finest = &levels[levels.len() - 1].cover.cell;
+    let by = finest.closed.map(|side| finest.open / side);
+    let points: Vec<Point2> = flat.points.iter().map(|p| stretched(p, &axis, by)).collect();
+    let open = match job.target.open {
+        Shape::Free => {
+            let factor = (by[0] * by[1]).sqrt();
+            let mut larger = closed.mesh.clone();
+            larger.vertices.iter_mut().for_each(|p| *p *= factor);
+            Layout::Lifted(LinearMap::new(larger, &points))
+        }
+        _ => Layout::Grid,
+    };
+    let layouts = Layouts { closed: Layout::Lifted(LinearMap::new(closed.mesh.clone(), &points)), open };
+    let free = matches!(job.target.open, Shape::Free);
+    let open = if free { Aim::Free } else { Aim::Plane };
+    Ok(begun(levels, layouts, Aims { closed: surface(closed, Outline::Held), open }, &flat))
+}
+
+/// Rounds in which the size of the open sheet is found.
+const ROUNDS: usize = 4;
+
+/// A point, with its coordinates along and across an axis multiplied.
+fn stretched(p: &Point2, axis: &Vector2, [along, across]: [f64; 2]) -> Point2 {
+    let normal = Vector2::new(-axis.y, axis.x);
+    Point2::from(axis * (along * p.coords.dot(axis)) + normal * (across * p.coords.dot(&normal)))
+}
+
+/// Two surfaces. The open one decides where the border lies; the closed sheet may cover a part of its target.
+fn between(job: &Job, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
+    let (flat, closed_flat) = (open.lay_flat()?, closed.lay_flat()?);
+    let first = first_axis(&open.mesh, &flat.points);
+    let outline = open.outline(&flat.points);
+    let levels = grids(job, |size, gap| {
+        cover(&outline, &first, size, job.pattern.stretches, gap, job.pattern.boundary)
+    })?;
+    let finest = &levels[levels.len() - 1].cover;
+    let by = finest.cell.closed.map(|side| finest.cell.open / side);
+    let first_closed = first_axis(&closed.mesh, &closed_flat.points);
+    // Middle to middle, and first axis to first axis.
+    let (from, to) = (middle(&closed.mesh, &closed_flat.points), middle(&open.mesh, &flat.points));
+    let place = |p: &Point2| {
+        let along = (p - from).dot(&first_closed) * by[0];
+        let across = first_closed.perp(&(p - from)) * by[1];
+        to + first * along + Vector2::new(-first.y, first.x) * across
+    };
+    let placed: Vec<Point2> = closed_flat.points.iter().map(place).collect();
+    fits(&closed, &placed, finest, by)?;
+    let layouts = Layouts {
+        closed: Layout::Lifted(LinearMap::new(closed.mesh.clone(), &placed)),
+        open: Layout::Lifted(LinearMap::new(open.mesh.clone(), &flat.points)),
+    };
+    let ratio = flat.ratio.max(closed_flat.ratio);
+    let aims = Aims { closed: surface(closed, Outline::Left), open: surface(open, Outline::Held) };
+    Ok(Begun { ratio, ..begun(levels, layouts, aims, &flat) })
+}
+
+/// The middle of the area of a mesh laid flat.
+fn middle(mesh: &TriMesh, flat: &[Point2]) -> Point2 {
+    let (mut sum, mut total) = (Vector2::zeros(), 0.0);
+    for face in &mesh.faces {
+        let [a, b, c] = face.map(|v| flat[v]);
+        let area = (b - a).perp(&(c - a));
+        sum += (a.coords + b.coords + c.coords) * (area / 3.0);
+        total += area;
+    }
+    Point2::from(sum / total)
+}
+
+/// Checks that a grid lies inside the closed target laid flat, but for half a cell.
+fn fits(closed: &TargetMesh, placed: &[Point2], cover: &Cover, by: [f64; 2]) -> Result<(), PipelineError> {
+    let map = LinearMap::new(closed.mesh.clone(), placed);
+    let far = cover.corners.iter().map(|p| (map.distance(p), *p));
+    let (beyond, at) = far.fold((0.0, Point2::origin()), |a, b| if b.0 > a.0 { b } else { a });
+    if beyond <= 0.5 * cover.cell.open {
+        return Ok(());
+    }
+    let target: f64 = area(&closed.mesh);
+    let sheet = cover.mesh.pieces.len() as f64 * cover.cell.closed[0] * cover.cell.closed[1];
+    let factor = 1.1 * (sheet / target).sqrt().max(1.0);
+    let beyond = beyond / (by[0] * by[1]).sqrt();
+    Err(PipelineError::TooSmall { path: closed.path.clone(), at, beyond, sheet, target, factor })
+}
+
+fn area(mesh: &TriMesh) -> f64 {
+    let triangle = |face: &[usize; 3]| {
+        let [a, b, c] = face.map(|v| mesh.vertices[v]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    };
+    mesh.faces.iter().map(triangle).sum()
+}
+
+/// Two meshes whose vertices correspond: the user's map.
+fn map(job: &Job, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
+    let flat = closed.lay_flat()?;
+    let first = first_axis(&closed.mesh, &flat.points);
+    let outline = closed.outline(&flat.points);
+    let levels = grids(job, |size, gap| sheet_grid(job, &outline, &first, size, gap, area(&open.mesh)))?;
+    let planar = closed.is_planar();
+    let layouts = Layouts {
+        closed: if planar {
+            Layout::Scaled(1.0)
+        } else {
+            Layout::Lifted(LinearMap::new(closed.mesh.clone(), &flat.points))
+        },
+        open: Layout::Lifted(LinearMap::new(open.mesh.clone(), &flat.points)),
+    };
+    let closed = if planar { Aim::Plane } else { surface(closed, Outline::Left) };
+    Ok(begun(levels, layouts, Aims { closed, open: surface(open, Outline::Held) }, &flat))
+}
+
+/// A flat closed sheet that opens by different amounts: its outline is the conformal flattening, in which every place
+/// is stretched alike in all directions, at the size at which no place needs more than the full opening.
+fn variable(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
+    let scale = open.conformal_scale()?;
+    let ratio = scale.ratio();
+    let conformal = conformal_points(&open.mesh, &scale);
+    let most = scale.stretches(&open.mesh).iter().map(|s| s.principal[0]).fold(0.0, f64::max);
+    let lay = |size, gap: f64, room: f64| {
+        let by = most / (MOST_OPENING * room);
+        let points: Vec<Point2> = conformal.iter().map(|p| p * by).collect();
+        let first = first_axis(&open.mesh, &points);
+        let outline = open.outline(&points);
+        Ok((sheet_grid(job, &outline, &first, size, gap, area(&open.mesh))?, points))
+    };
+    // Hinge polygons are narrower than their cells by half a gap: that much of the stretch is missing.
+    let fitted = |size, gap: f64| -> Result<(Cover, Vec<Point2>), CoverError> {
+        let mut room = 1.0;
+        for _ in 0..ROUNDS {
+            let side = lay(size, gap, room)?.0.cell.edge();
+            room = 1.0 - gap / (2.0 * side);
+        }
+        lay(size, gap, room)
+    };
+    let levels = grids(job, |size, gap| Ok(fitted(size, gap)?.0))?;
+    let (_, points) = fitted(job.pattern.pieces, job.pattern.gap)?;
+    let lift = LinearMap::new(open.mesh.clone(), &points);
+    let layouts = Layouts { closed: Layout::Scaled(1.0), open: Layout::Lifted(lift) };
+    let aims = Aims { closed: Aim::Plane, open: surface(open, Outline::Held) };
+    Ok(Begun { levels, layouts, aims, ratio, reports: Vec::new() })
+}
+
+/// The largest stretch asked for of squares that open by different amounts: a little less than sqrt 2, where they are
+/// fully open and a further turn closes them again.
+const MOST_OPENING: f64 = 0.985 * std::f64::consts::SQRT_2;
+
+/// A grid of squares over a closed sheet that opens to `open_area`.
+fn sheet_grid(
+    job: &Job,
+    outline: &[Point2],
+    first: &Vector2,
+    size: PieceSize,
+    gap: f64,
+    open_area: f64,
+) -> Result<Cover, CoverError> {
+    let mut cover = cover(outline, first, size, [1.0; 2], 0.0, job.pattern.boundary)?;
+    let side = cover.cell.open;
+    let sheet = cover.mesh.pieces.len() as f64 * side * side;
+    cover.cell = ModelCell { open: side * (open_area / sheet).sqrt(), closed: [side; 2] };
+    cover.check_gap(gap)?;
+    Ok(cover)
+}
+
+/// Lays the grid that the job asks for, and coarser ones to begin with: the coarsest first.
+fn grids(
+    job: &Job,
+    lay: impl Fn(PieceSize, f64) -> Result<Cover, CoverError>,
+) -> Result<Vec<Level>, CoverError> {
+    let (mut size, mut gap) = (job.pattern.pieces, job.pattern.gap);
+    let mut levels = vec![Level { cover: lay(size, gap)?, gap }];
+    while levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
+        (size, gap) = (size.coarser(), 2.0 * gap);
+        // Large pieces may not fit a narrow target.
+        let Ok(cover) = lay(size, gap) else { break };
+        levels.push(Level { cover, gap });
+    }
+    levels.reverse();
+    Ok(levels)
+}
+
+fn begun(levels: Vec<Level>, layouts: Layouts, aims: Aims, flat: &LaidFlat) -> Begun {
+    Begun { levels, layouts, aims, ratio: flat.ratio, reports: flattening_reports(&flat.flattening) }
+}
+
+/// The rounds of the flattening in the form of the other stages' reports: first those that make it rigid, with the
+/// energy, then those that lower the worst stretch, with its ratio.
+fn flattening_reports(flat: &Flattening) -> Vec<solver::Report> {
+    let report = |term, values: &[f64], settled| solver::Report {
+        terms: vec![String::from(term)],
+        iterations: values
+            .iter()
+            .filter(|value| value.is_finite())
+            .map(|value| solver::Iteration { energies: vec![*value], damping: 0.0 })
+            .collect(),
+        next_damping: 0.0,
+        termination: if settled {
+            solver::Termination::Stagnation
+        } else {
+            solver::Termination::IterationLimit
+        },
+    };
+    let mut reports = vec![report("arap", &flat.energies, flat.settled)];
+    if flat.ratios.len() > 1 {
+        reports.push(report("worst-stretch-ratio", &flat.ratios, true));
+    }
+    reports
+}
