@@ -172,6 +172,9 @@ pub struct Unknowns {
     pub closed_dimension: usize,
     /// Likewise of the open state.
     pub open_dimension: usize,
+    /// Whether closed hinge points can be lifted: where a closed state on a surface has to open flat, or at will. An open
+    /// state on a surface is freer.
+    pub lifted: bool,
 }
 
 impl Unknowns {
@@ -182,6 +185,7 @@ impl Unknowns {
             edges: mesh.edges.len(),
             closed_dimension: goals.closed.dimension(),
             open_dimension: goals.open.dimension(),
+            lifted: goals.closed.target().is_some() && goals.open.target().is_none(),
         }
     }
 
@@ -196,10 +200,10 @@ impl Unknowns {
         PointAt { start: self.closed_dimension * self.corners + dimension * edge, dimension }
     }
 
-    /// How far the hinge points of a corner are lifted; none in the plane.
+    /// How far the hinge points of a corner are lifted, where they can be.
     pub fn lift(&self, corner: usize) -> Option<usize> {
         let lifts = self.closed_dimension * self.corners + self.open_dimension * self.edges;
-        (self.closed_dimension == 3).then_some(lifts + corner)
+        self.lifted.then_some(lifts + corner)
     }
 
     /// A place of each unknown on the grid.
@@ -210,7 +214,7 @@ impl Unknowns {
         };
         let closed = cover.places.iter().flat_map(|p| std::iter::repeat_n(*p, self.closed_dimension));
         let edges = cover.mesh.edges.iter().map(middle);
-        let lifts = if self.closed_dimension == 3 { &cover.places[..] } else { &[] };
+        let lifts = if self.lifted { &cover.places[..] } else { &[] };
         let open = edges.flat_map(|p| std::iter::repeat_n(p, self.open_dimension));
         closed.chain(open).chain(lifts.iter().copied()).collect()
     }
@@ -219,7 +223,7 @@ impl Unknowns {
     pub fn pack(&self, pattern: &Pattern, scale: f64) -> Vec<f64> {
         let closed = pattern.corners.iter().flat_map(|p| p.iter().take(self.closed_dimension));
         let open = pattern.open.iter().flat_map(|p| p.iter().take(self.open_dimension));
-        let lifts = if self.closed_dimension == 3 { &pattern.lifts[..] } else { &[] };
+        let lifts = if self.lifted { &pattern.lifts[..] } else { &[] };
         closed.chain(open).chain(lifts).map(|value| value / scale).collect()
     }
 
