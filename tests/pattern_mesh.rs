@@ -4,8 +4,11 @@ mod peers;
 
 use std::path::{Path, PathBuf};
 
+use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::read::polylines::read_polylines;
 use kirimorph::geometry::read::read_mesh;
+use kirimorph::geometry::stretch::{stretches, worst_ratio};
+use kirimorph::kirigami::feasibility::EASY_RATIO;
 use kirimorph::kirigami::pattern_mesh::{
     CutRequest, Odd, PatternMesh, PatternMeshError, Reading, cut_paths, pattern_mesh,
 };
@@ -22,12 +25,21 @@ fn irregular(pattern: &PatternMesh) -> Vec<usize> {
     irregular
 }
 
+/// Largest over smallest stretch of a pattern's surface laid flat.
+fn flattened(pattern: &PatternMesh) -> f64 {
+    let surface = &pattern.flatten;
+    let scale = ConformalScale::solve(&surface.mesh, &surface.boundary).unwrap();
+    let flat = flatten(&surface.mesh, &scale, EASY_RATIO).unwrap();
+    worst_ratio(&stretches(&surface.mesh, &flat.points))
+}
+
 #[test]
 fn the_star_has_one_singularity_and_needs_no_cut() {
     let mesh = read_mesh(&sample("star.obj")).unwrap();
     let star = pattern_mesh(&mesh, Reading::Pieces, &[], CutRequest::AsGiven).unwrap();
     assert_eq!((star.mesh.pieces.len(), irregular(&star)), (294, vec![6]));
     assert!(star.directions_agree && star.mended.odd.is_empty());
+    assert!(flattened(&star) < 1.2, "{}", flattened(&star));
 }
 
 #[test]
@@ -40,6 +52,7 @@ fn the_sample_of_five_patches_needs_its_cut() {
     let five = read(&cut_paths(&mesh, &lines, 1.0).unwrap()).unwrap();
     assert_eq!((five.mesh.pieces.len(), irregular(&five)), (245, vec![]));
     assert_eq!((five.loops.len(), five.mesh.corner_count), (1, mesh.vertices.len() + 7));
+    assert!(flattened(&five) < 1.2, "{}", flattened(&five));
 }
 
 #[test]
@@ -66,6 +79,7 @@ fn a_mesh_with_four_odd_vertices_comes_through_both_readings() {
     assert_eq!(ends, [[1, 2], [27, 28], [46, 53]]);
     let cut = read(Reading::Pieces, CutRequest::Automatic).unwrap();
     assert_eq!((cut.mesh.pieces.len(), cut.loops.len(), irregular(&cut)), (188, 2, vec![]));
+    assert!(flattened(&cut) < 1.3, "{}", flattened(&cut));
     let cut = read(Reading::Pieces, CutRequest::AutomaticToBorder).unwrap();
     assert_eq!((cut.mended.paths.len(), cut.loops.len()), (4, 1));
     assert!((cut.mended.length - BORDER.iter().sum::<f64>()).abs() < 1e-5);

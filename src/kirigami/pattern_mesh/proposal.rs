@@ -5,7 +5,8 @@
 //! meet every odd place an odd number of times and every even place an even number of times, where each border loop
 //! is one place. The shortest such set (a *T-join*) consists of shortest paths that pair the odd places off, the
 //! outer border among them where it is odd; a path may run through the border. The pairs are the best of all for up
-//! to [`MOST_EXACT`] odd places, beyond that good ones (nearest first, then exchanged while that helps).
+//! to [`MOST_EXACT`] odd places, beyond that good ones (nearest first, then exchanged while that helps), and beyond
+//! [`MOST_PAIRED`] none are sought: such a mesh is not meant to alternate.
 //!
 //! Such a set has no closed way in it, taking borders as one place each: what would close up is left away, which
 //! keeps all parities. A set of sides without closed ways never leaves the sheet in two.
@@ -22,6 +23,9 @@ use crate::kirigami::piece_mesh::PieceMesh;
 
 pub use super::matching::MOST_EXACT;
 use super::matching::matching;
+
+/// Up to this number of odd places pairs are sought: the time is that many searches through the whole mesh.
+pub const MOST_PAIRED: usize = 500;
 
 /// Inner corners and border loops as nodes, inner sides as edges.
 pub(super) struct Graph {
@@ -148,14 +152,20 @@ impl Graph {
     }
 }
 
-/// The shortest cuts that make all `terminals` even, which must be all odd nodes.
+/// The shortest cuts that make all `terminals` even, which must be all odd nodes; for more than [`MOST_PAIRED`] of
+/// them those of [`to_border`].
 pub(super) fn shortest(graph: &Graph, mesh: &PieceMesh, terminals: &[usize]) -> Proposal {
-    let found: Vec<(Vec<f64>, Vec<usize>)> = terminals.iter().map(|&t| graph.distances(t)).collect();
-    let lengths: Vec<Vec<f64>> =
-        found.iter().map(|(distance, _)| terminals.iter().map(|&t| distance[t]).collect()).collect();
+    if terminals.len() > MOST_PAIRED {
+        return to_border(graph, mesh, terminals);
+    }
+    let to_all = |&t: &usize| {
+        let (distance, _) = graph.distances(t);
+        terminals.iter().map(|&t| distance[t]).collect()
+    };
+    let lengths: Vec<Vec<f64>> = terminals.iter().map(to_all).collect();
     let mut set = BTreeSet::new();
     for [i, j] in matching(&lengths) {
-        for edge in graph.path_to(terminals[j], &found[i].1) {
+        for edge in graph.path_to(terminals[j], &graph.distances(terminals[i]).1) {
             // What two paths have in common cancels.
             if !set.remove(&edge) {
                 set.insert(edge);

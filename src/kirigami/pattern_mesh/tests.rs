@@ -7,7 +7,7 @@ mod generators;
 use super::*;
 use generators::{block, cells, five, obj, patches, star};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Every face a piece, the given cuts alone.
 fn read(mesh: &PolyMesh, cuts: &[Vec<usize>]) -> Result<PatternMesh, PatternMeshError> {
@@ -61,10 +61,6 @@ fn check(pattern: &PatternMesh) {
     }
 }
 
-fn sample(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)
-}
-
 /// The samples' files and what stands in them.
 fn samples() -> [(&'static str, String); 3] {
     let five = five();
@@ -75,19 +71,14 @@ fn samples() -> [(&'static str, String); 3] {
     ]
 }
 
-/// Writes the samples again: `cargo test --lib write_samples -- --ignored`.
-#[test]
-#[ignore = "writes into samples/"]
-fn write_samples() {
-    for (name, text) in samples() {
-        fs::write(sample(name), text).unwrap();
-    }
-}
-
 #[test]
 fn the_samples_are_what_their_generators_make() {
     for (name, text) in samples() {
-        assert!(fs::read_to_string(sample(name)).unwrap() == text, "{name}");
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
+        if std::env::var_os("UPDATE_SAMPLES").is_some() {
+            fs::write(&file, &text).unwrap();
+        }
+        assert!(fs::read_to_string(&file).unwrap() == text, "samples/{name}: run with UPDATE_SAMPLES=1");
     }
 }
 
