@@ -208,7 +208,7 @@ fn files_that_cannot_be_meshes_are_refused_by_name() {
         assert!(matches!(read_mesh(&zeros), Err(ReadMeshError::Invalid { .. })));
     }
     let invalid = scratch.file("line.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
-    assert_eq!(message(&invalid), "line 4: the face names vertex 4, but the vertices run from 1 to 3");
+    assert_eq!(message(&invalid), "line 4: vertex 4 is named, but the vertices run from 1 to 3");
 }
 
 #[test]

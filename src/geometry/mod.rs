@@ -42,4 +42,4 @@ pub mod flatten;
 
 pub mod rotation;
 
-mod union_find;
+pub(crate) mod union_find;

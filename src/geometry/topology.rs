@@ -7,8 +7,10 @@ use super::mesh::PolyMesh;
 use super::union_find::UnionFind;
 
 mod defect;
+mod orient;
 
 pub use defect::{Defect, NotADisk};
+pub use orient::orient;
 
 /// A surface with the topology of a disk.
 #[derive(Debug, Clone, PartialEq, Eq)]

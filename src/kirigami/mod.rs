@@ -14,6 +14,8 @@ pub mod pattern_terms;
 
 pub mod piece_mesh;
 
+pub mod pattern_mesh;
+
 pub mod cover;
 
 pub mod corners;

@@ -6,7 +6,7 @@
 //! agree. Each vertex of a piece therefore belongs to exactly one of its edges: the *owned* edge. At the
 //! sheet's border the owned edge has no neighbour and the vertex is free.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An edge between two corners of the closed sheet.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +19,7 @@ pub struct Edge {
     pub neighbour: Option<usize>,
     /// The corner, one of `corners`, at which the edge's hinge stands.
     pub hinge_corner: usize,
-    /// 0 for edges along the grid's first direction, 1 along the second.
+    /// 0 for edges along the grid's first direction, 1 along the second. 0 for all where no grid tells.
     pub direction: usize,
 }
 
@@ -42,6 +42,8 @@ pub struct Fan {
     pub edges: Vec<usize>,
     /// Whether pieces surround the corner completely.
     pub closed: bool,
+    /// Whether every piece at the corner has four corners.
+    pub quads: bool,
 }
 
 impl Fan {
@@ -54,11 +56,13 @@ impl Fan {
         (before, after)
     }
 
-    /// Pairs of edges that continue each other straight through the corner of a quad pattern.
+    /// Pairs of edges that continue each other straight through the corner: at an inner corner of four edges, and
+    /// between quads at a border corner of three or four (a straight border, the inside of an L). Elsewhere the
+    /// pattern has no lines: inner corners of other valences are its singularities.
     pub fn opposite_pairs(&self) -> Vec<[usize; 2]> {
         match self.edges[..] {
-            [a, b, c, d] => vec![[a, c], [b, d]],
-            [a, _, c] if !self.closed => vec![[a, c]],
+            [a, b, c, d] if self.closed || self.quads => vec![[a, c], [b, d]],
+            [a, _, c] if !self.closed && self.quads => vec![[a, c]],
             _ => Vec::new(),
         }
     }
@@ -100,7 +104,23 @@ impl PieceMesh {
         }
         let senses = cells.iter().map(|[i, j]| (i + j).rem_euclid(2) == 0).collect();
         let directions = |_: usize, side: usize| side % 2;
-        (Self::new(positions.len(), pieces, senses, directions), positions)
+        (Self::new(positions.len(), pieces, senses, directions, &BTreeSet::new()), positions)
+    }
+
+    /// Builds the combinatorics from pieces of any number of corners, listed counter-clockwise, all edges of
+    /// direction 0.
+    ///
+    /// Pieces are neighbours where they run through an edge in opposite directions, unless its ends, the lesser
+    /// first, are in `apart`: a slit of one edge, whose two sides end at the same two corners. The pieces at each
+    /// corner must hang together through edges, and neighbours should turn in opposite senses: `counter_clockwise`
+    /// says which way each piece turns.
+    pub fn from_polygons(
+        corner_count: usize,
+        pieces: Vec<Vec<usize>>,
+        counter_clockwise: Vec<bool>,
+        apart: &BTreeSet<[usize; 2]>,
+    ) -> Self {
+        Self::new(corner_count, pieces, counter_clockwise, |_, _| 0, apart)
     }
 
     fn new(
@@ -108,6 +128,7 @@ impl PieceMesh {
         pieces: Vec<Vec<usize>>,
         counter_clockwise: Vec<bool>,
         direction: impl Fn(usize, usize) -> usize,
+        apart: &BTreeSet<[usize; 2]>,
     ) -> Self {
         let mut edge_of: BTreeMap<[usize; 2], usize> = BTreeMap::new();
         let mut edges: Vec<Edge> = Vec::new();
@@ -117,7 +138,8 @@ impl PieceMesh {
             let mut own_sides = Vec::with_capacity(n);
             for side in 0..n {
                 let ends = [corners[side], corners[(side + 1) % n]];
-                if let Some(&edge) = edge_of.get(&[ends[1], ends[0]]) {
+                let joined = !apart.contains(&[ends[0].min(ends[1]), ends[0].max(ends[1])]);
+                if let Some(&edge) = edge_of.get(&[ends[1], ends[0]]).filter(|_| joined) {
                     edges[edge].neighbour = Some(piece);
                     own_sides.push(edge);
                     continue;
@@ -170,7 +192,7 @@ impl PieceMesh {
         fans.map(|(corner, fan)| fan.edges.iter().filter_map(|&e| left_of(corner, e)).collect()).collect()
     }
 
-    /// Triples of consecutive edges along the grid's lines, each with the two corners between them.
+    /// Triples of consecutive edges along the pattern's lines, each with the two corners between them.
     pub fn edge_triples(&self) -> Vec<([usize; 3], [usize; 2])> {
         let mut triples = Vec::new();
         let opposite = |corner: usize, edge: usize| {
@@ -194,14 +216,17 @@ fn fans(corner_count: usize, pieces: &[Vec<usize>], sides: &[Vec<usize>]) -> Vec
     // Counter-clockwise around a corner, each piece leads from its side that leaves the corner to the one
     // that arrives.
     let mut next: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); corner_count];
+    let mut quads = vec![true; corner_count];
     for (corners, sides) in pieces.iter().zip(sides) {
         let n = corners.len();
         for i in 0..n {
             next[corners[i]].insert(sides[i], sides[(i + n - 1) % n]);
+            quads[corners[i]] &= n == 4;
         }
     }
     next.iter()
-        .map(|next| {
+        .zip(quads)
+        .map(|(next, quads)| {
             let arrivals: Vec<usize> = next.values().copied().collect();
             let border = next.keys().find(|edge| !arrivals.contains(edge));
             let Some(&start) = border.or(next.keys().next()) else { return Fan::default() };
@@ -211,7 +236,7 @@ fn fans(corner_count: usize, pieces: &[Vec<usize>], sides: &[Vec<usize>]) -> Vec
                 edges.push(after);
                 at = after;
             }
-            Fan { edges, closed: border.is_none() }
+            Fan { edges, closed: border.is_none(), quads }
         })
         .collect()
 }

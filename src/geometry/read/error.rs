@@ -146,8 +146,8 @@ pub enum Problem {
         /// The token, shortened.
         token: String,
     },
-    /// A face names a vertex that the file does not have.
-    #[error("the face names vertex {index}, but the vertices run from {first} to {last}")]
+    /// A face or polyline names a vertex that the file does not have.
+    #[error("vertex {index} is named, but the vertices run from {first} to {last}")]
     IndexOutOfRange {
         /// The index as written.
         index: i64,
@@ -175,6 +175,12 @@ pub enum Problem {
     RepeatedVertex {
         /// The vertex as the file counts it.
         vertex: usize,
+    },
+    /// An OBJ polyline of fewer than two vertices.
+    #[error("the polyline has {vertices} vertex, it needs at least 2")]
+    LineTooShort {
+        /// Count of vertices.
+        vertices: usize,
     },
     /// No vertices at all.
     #[error("the file has no vertices: is it a mesh?")]

@@ -13,6 +13,7 @@ use super::mesh::PolyMesh;
 mod error;
 pub mod obj;
 pub mod ply;
+pub mod polylines;
 pub mod stl;
 mod text;
 

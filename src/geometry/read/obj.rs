@@ -1,8 +1,8 @@
 //! Wavefront OBJ: vertices and polygons.
 //!
 //! Faces of all objects and groups are joined, and vertices keep the file's numbering: vertex `i` of the mesh is
-//! vertex `i + 1` of the file, likewise faces. Texture coordinates, normals, materials, lines, points, curves and
-//! free-form surfaces are passed over.
+//! vertex `i + 1` of the file, likewise faces. Texture coordinates, normals, materials, points, curves and
+//! free-form surfaces are passed over, and so are the lines that [`super::polylines`] reads.
 
 use std::borrow::Cow;
 
@@ -62,7 +62,7 @@ fn finish(mesh: PolyMesh, face_lines: &[usize]) -> Result<PolyMesh, InvalidMeshF
 
 /// The next statement without its comment, and the number of its first line. A backslash at the end of a line
 /// joins the next one, but not from within a comment, where it may end the name of a folder.
-fn next_statement<'a>(lines: &mut Lines<'a>) -> Option<(usize, Cow<'a, [u8]>)> {
+pub(super) fn next_statement<'a>(lines: &mut Lines<'a>) -> Option<(usize, Cow<'a, [u8]>)> {
     let (first, line) = lines.next()?;
     let (mut statement, mut continues) = split_line(line);
     if !continues {
@@ -93,7 +93,7 @@ fn split_line(line: &[u8]) -> (&[u8], bool) {
 }
 
 /// A vertex: x y z, after which a weight or a colour or both may follow.
-fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<Point3, Problem> {
+pub(super) fn vertex<'a>(words: impl Iterator<Item = &'a [u8]>) -> Result<Point3, Problem> {
     const MAX_NUMBERS: usize = 7;
     let mut position = [0.0; 3];
     let mut found = 0;
@@ -118,7 +118,7 @@ fn face<'a>(words: impl Iterator<Item = &'a [u8]>, preceding: usize) -> Result<V
 }
 
 /// The vertex of a corner, counted from 0. Negative indices count back from the last vertex before the face.
-fn corner(word: &[u8], preceding: usize) -> Result<usize, Problem> {
+pub(super) fn corner(word: &[u8], preceding: usize) -> Result<usize, Problem> {
     let digits = word.split(|&b| b == b'/').next().unwrap_or(word);
     let index: i64 = std::str::from_utf8(digits)
         .ok()

@@ -72,8 +72,8 @@ fn bytes_that_are_not_utf8_are_tolerated_outside_numbers() {
 
 #[test]
 fn faults_of_faces_name_line_and_range() {
-    assert_eq!(fault("f 1 2 0\n"), "line 5: the face names vertex 0, but the vertices run from 1 to 4");
-    assert_eq!(fault("\n\nf 1 2 5\n"), "line 7: the face names vertex 5, but the vertices run from 1 to 4");
+    assert_eq!(fault("f 1 2 0\n"), "line 5: vertex 0 is named, but the vertices run from 1 to 4");
+    assert_eq!(fault("\n\nf 1 2 5\n"), "line 7: vertex 5 is named, but the vertices run from 1 to 4");
     assert_eq!(
         fault("f 1 2 -5\n"),
         "line 5: the face counts back to vertex -5, but only 4 vertices precede it"

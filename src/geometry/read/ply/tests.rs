@@ -158,8 +158,8 @@ fn faults_of_the_header_name_the_line() {
 #[test]
 fn faults_of_the_body_name_line_and_range() {
     for (from, to, expected) in [
-        ("3 0 2 3", "3 0 2 4", "line 17: the face names vertex 4, but the vertices run from 0 to 3"),
-        ("3 0 2 3", "3 0 2 -1", "line 17: the face names vertex -1, but the vertices run from 0 to 3"),
+        ("3 0 2 3", "3 0 2 4", "line 17: vertex 4 is named, but the vertices run from 0 to 3"),
+        ("3 0 2 3", "3 0 2 -1", "line 17: vertex -1 is named, but the vertices run from 0 to 3"),
         ("3 0 2 3", "3 0 2 2", "line 17: the face names vertex 2 twice"),
         ("3 0 2 3", "2 0 2", "line 17: the face has 2 corners"),
         ("3 0 2 3", "3 0 2", "line 17: expected another value of the record, found `end of line`"),
@@ -199,7 +199,7 @@ fn binary_faults_name_the_record() {
     let mut wrong = bytes.clone();
     wrong[at + 3] = 4;
     let message = parse(&wrong).unwrap_err().to_string();
-    assert_eq!(message, "face 1 (counted from 0): the face names vertex 4, but the vertices run from 0 to 3");
+    assert_eq!(message, "face 1 (counted from 0): vertex 4 is named, but the vertices run from 0 to 3");
     wrong[at] = 255;
     let message = parse(&wrong).unwrap_err().to_string();
     assert!(message.starts_with("face 1 (counted from 0): the file states 255 items of a list"), "{message}");
