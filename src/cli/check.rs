@@ -1,6 +1,6 @@
 //! `kirimorph check`: the worst hinges of a design.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Failure, print};
 use crate::fabrication::fabricate::{fabricate, ligament_lengths};
@@ -10,7 +10,7 @@ use crate::profile;
 
 /// Reads a design, lays it out for the profile, and prints its worst hinges.
 pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> Result<(), Failure> {
-    let file = if design.is_dir() { design.join("design.json") } else { design.to_owned() };
+    let file = design_file(design);
     let design = design_json::read(&file).map_err(Failure::bad_input)?;
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
     let fabrication = ligament_lengths(&design, &profile)
@@ -18,6 +18,11 @@ pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> R
         .map_err(|error| Failure::NotMakeable(format!("{}: {error}", file.display())))?;
     print(&hinge_report::table(&fabrication.hinges, worst));
     refuse_failing(&fabrication.hinges, allow_failing)
+}
+
+/// The file of a design that may be named by its folder.
+pub fn design_file(design: &Path) -> PathBuf {
+    if design.is_dir() { design.join("design.json") } else { design.to_owned() }
 }
 
 /// An error where a hinge fails, unless that is allowed.

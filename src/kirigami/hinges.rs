@@ -46,6 +46,42 @@ pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64) -> Design {
     }
 }
 
+/// Two vertices of two pieces that coincide in both states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Joint {
+    /// The pieces j and k.
+    pub pieces: [usize; 2],
+    /// The vertex of each.
+    pub vertices: [usize; 2],
+}
+
+/// Assembles a design from its pieces and joints: one hinge per joint, in their order. Axes and angles are those of the
+/// motion from the sheet state (from the closed one, where neither is flat) to the other.
+pub fn assemble(
+    pattern: PatternKind,
+    sheet_state: Option<State>,
+    gap: f64,
+    corners: Vec<Point3>,
+    pieces: Vec<Piece>,
+    joints: &[Joint],
+) -> Design {
+    let from_open = sheet_state == Some(State::Open);
+    let sheet = |piece: &Piece| if from_open { piece.open.clone() } else { piece.closed.clone() };
+    let motion = |piece: &Piece| {
+        let (from, to) = if from_open { (&piece.open, &piece.closed) } else { (&piece.closed, &piece.open) };
+        RigidMotion::fit(from, to)
+    };
+    let motions: Vec<RigidMotion> = pieces.iter().map(motion).collect();
+    let hinges = joints
+        .iter()
+        .map(|&Joint { pieces: [j, k], vertices }| {
+            let (axis, angle) = relative_turn(&motions[j], &motions[k]);
+            Hinge { pieces: [j, k], vertices, point: sheet(&pieces[j])[vertices[0]], axis, angle }
+        })
+        .collect();
+    Design { pattern, sheet_state, gap, corners, pieces, hinges }
+}
+
 /// Axis and angle of the rotation `A_j^-1 A_k`: seen from piece j, piece k turns by the angle about the axis,
 /// from the closed to the open state. A hinge that does not turn gets the sheet's normal as its axis.
 pub fn relative_turn(motion_j: &RigidMotion, motion_k: &RigidMotion) -> (Vector3, f64) {

@@ -34,6 +34,10 @@ pub mod feasibility;
 
 pub mod quality;
 
+pub mod rigidity;
+
+pub mod improve;
+
 pub mod validity;
 
 pub mod filled;
