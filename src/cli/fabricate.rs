@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::check::{design_file, refuse_failing};
+use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
 use super::results::{Results, WriteError, write_timings};
 use super::{Failure, events, interrupt, print};
-use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
+use crate::fabrication::fabricate::Fabrication;
 use crate::kirigami::quality::{Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::dxf::DxfVersion;
@@ -28,6 +28,7 @@ pub fn run(
     let bytes = design_json::read_bytes(&file).map_err(Failure::bad_input)?;
     let design = design_json::parse(&bytes)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+    let design = without_repeated(design);
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
     OutputFolder::check(folder).map_err(Failure::bad_input)?;
     interrupt::listen();
@@ -38,11 +39,8 @@ pub fn run(
     };
     let mut clock = Clock::new(&mut watch);
     let fabrication = clock
-        .run("fabrication", |_| {
-            let lengths = ligament_lengths(&design, &profile)?;
-            fabricate(&design, &profile, &lengths)
-        })
-        .map_err(|error| Failure::NotMakeable(format!("{}: {error}", file.display())))?;
+        .run("fabrication", |_| lay_out(&design, &profile))
+        .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(&fabrication.hinges, allow_failing)?;
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let origin = parse_report(&bytes).unwrap_or_else(|| unknown_origin(&file, &fabrication));

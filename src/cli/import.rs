@@ -5,18 +5,20 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
+use super::check::without_repeated;
 use super::{Failure, interrupt, print};
 use crate::import::{
     CLOSED, CONSTRAINTS, ImportError, Imported, OPEN, Options, Size, Source, import, read_mesh_pair,
     read_pieces_json, read_pykirigami, reassembled,
 };
 use crate::kirigami::design::{Design, State};
-use crate::kirigami::improve::{improve, largest_move};
-use crate::kirigami::quality::{Quality, measure_alone};
+use crate::kirigami::improve::{self, Slits, improve, largest_move};
+use crate::kirigami::quality::{Limits, Quality, measure_alone};
 use crate::kirigami::rigidity;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage, WriteDesignError};
 use crate::output::whole_file::write_whole;
 use crate::pipeline::{Clock, Progress, fingerprints};
+use crate::profile;
 
 /// The flags.
 #[derive(Debug, Args)]
@@ -59,6 +61,10 @@ pub struct Arguments {
     /// Make the pieces congruent in both states (Stage 3), moving points as little as that takes.
     #[arg(long)]
     improve: bool,
+    /// With --improve: move the hinges to where this profile's ligaments stand, to either side of the slits that pass
+    /// them. For a flat closed state whose slits are closed.
+    #[arg(short, long, requires = "improve", conflicts_with = "gap_mm")]
+    profile: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -102,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut stages = Vec::new();
     let improvement = match arguments.improve {
         false => None,
-        true => Some(improved(&mut imported, &mut stages)?),
+        true => Some(improved(&mut imported, arguments.profile.as_deref(), &mut stages)?),
     };
     let quality = measure_alone(&imported.design);
     let named: Vec<(&str, &Path)> = files.iter().map(|(name, path)| (*name, path.as_path())).collect();
@@ -150,18 +156,31 @@ fn failure(error: ImportError) -> Failure {
 }
 
 /// Replaces the design by the improved one.
-fn improved(imported: &mut Imported, stages: &mut Vec<Stage>) -> Result<Improvement, Failure> {
+fn improved(
+    imported: &mut Imported,
+    profile: Option<&str>,
+    stages: &mut Vec<Stage>,
+) -> Result<Improvement, Failure> {
+    if profile.is_some() {
+        // Two hinge points would have to stand apart where there is no side to part them.
+        imported.design = without_repeated(imported.design.clone());
+    }
+    let gap = profile.map(|profile| gap_for(&imported.design, profile)).transpose()?;
     interrupt::listen();
-    let before = measure_alone(&imported.design);
+    let (before, tolerance) = (measure_alone(&imported.design), imported.tolerance);
     let mut watch = |_: &Progress| interrupt::flow();
     let mut clock = Clock::new(&mut watch);
-    let (pieces, reports) = clock.run("stage-3", |run| improve(&imported.design, imported.tolerance, run));
+    let (pieces, reports) =
+        clock.run("stage-3", |run| improve(&imported.design, &improve::Options { tolerance, gap }, run));
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let moved = largest_move(&imported.design.pieces, &pieces);
-    imported.design = reassembled(&imported.design, pieces, imported.tolerance);
+    let gap = gap.unwrap_or(imported.design.gap);
+    imported.design = reassembled(&imported.design, pieces, gap, tolerance);
     stages.push(Stage { name: "stage-3", reports });
     let after = measure_alone(&imported.design);
-    if after.max_length_error.is_nan() || after.max_length_error > before.max_length_error {
+    // Within the limit of our own designs nobody asks where it was.
+    let acceptable = before.max_length_error.max(Limits::default().length_error);
+    if after.max_length_error.is_nan() || after.max_length_error > acceptable {
         return Err(Failure::NotMakeable(format!(
             "--improve made the largest length error {:.1e} where it was {:.1e}: the pieces cannot be made congruent near \
              where they are; import without --improve",
@@ -170,6 +189,25 @@ fn improved(imported: &mut Imported, stages: &mut Vec<Stage>) -> Result<Improvem
     }
     imported.misfit = rigidity::worst(&imported.design).expect("a design has pieces");
     Ok(Improvement { before, moved })
+}
+
+/// The gap that a profile's ligaments need.
+fn gap_for(design: &Design, profile: &str) -> Result<f64, Failure> {
+    let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
+    if design.sheet_state != Some(State::Closed) {
+        return Err(Failure::NotMakeable(
+            "--profile: the closed state is not flat, so there is no sheet on which ligaments stand; leave --profile out"
+                .to_owned(),
+        ));
+    }
+    match Slits::new(design).unclosed(design) {
+        None => Ok(profile.hinge_gap()),
+        Some(hinge) => Err(Failure::NotMakeable(format!(
+            "--profile: the slit at hinge {hinge}, between pieces {} and {}, is not closed in the closed state, so no \
+             ligament can stand beside it; leave --profile out",
+            design.hinges[hinge].pieces[0], design.hinges[hinge].pieces[1]
+        ))),
+    }
 }
 
 fn summary(name: &str, imported: &Imported, quality: &Quality, improvement: Option<&Improvement>) -> String {

@@ -1,5 +1,7 @@
 //! Which corners of which pieces are hinged, and which pieces hang together.
 
+use std::collections::HashSet;
+
 use super::error::{ImportError, named};
 use super::source::Source;
 use crate::geometry::Point3;
@@ -103,6 +105,7 @@ fn constrained(
 ) -> Result<(Vec<Joint>, Vec<usize>), ImportError> {
     let mut joints: Vec<Joint> = Vec::new();
     let mut pairs = Vec::new();
+    let mut known = HashSet::new();
     for constraint in source.constraints.iter().flatten() {
         let ([j, k], [a, b]) = (constraint.pieces, constraint.corners);
         for (state, polygons) in [("closed", &source.closed), ("open", &source.open)] {
@@ -120,7 +123,7 @@ fn constrained(
         }
         let mut points = [corners.first[j] + a, corners.first[k] + b];
         points.sort_unstable();
-        if !pairs.iter().any(|near: &Near| near.points == points) {
+        if known.insert(points) {
             pairs.push(Near { points, distance: 0.0 });
             joints.push(Joint { pieces: [j, k], vertices: [a, b] });
         }

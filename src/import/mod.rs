@@ -25,15 +25,13 @@ use crate::geometry::coincidence::{clusters, mean, members, near_pairs};
 use crate::geometry::plane::doubled_area;
 use crate::kirigami::design::{Design, Hinge, PatternKind, Piece, State};
 use crate::kirigami::hinges::{Joint, assemble};
+use crate::kirigami::repeated::NEARLY;
 use crate::kirigami::rigidity::{self, Misfit, mean_side, misfit_of};
 use joints::{Corners, joints, row};
 use sides::{Sides, sides};
 
 /// The tolerance of coincidence where none is given, in mean sides of the pieces.
 pub const TOLERANCE: f64 = 1e-4;
-
-/// Corners of one piece nearer than this, in mean sides, are warned of.
-const NEARLY_REPEATED: f64 = 1e-3;
 
 /// Areas below this, in squares of the mean side, have no direction.
 const LEAST_AREA: f64 = 1e-12;
@@ -173,7 +171,7 @@ fn nearly_repeated(source: &Source, side: f64) -> Vec<String> {
         for i in 0..closed.len() {
             for j in i + 1..closed.len() {
                 let [near, far] = [closed, open].map(|points| (points[i] - points[j]).norm() / side);
-                if near.min(far) < NEARLY_REPEATED {
+                if near.min(far) < NEARLY {
                     lines.push(format!(
                         "piece {piece}: its corners {i} and {j} nearly coincide, {:.1e} mean sides apart; kept as it is",
                         near.min(far)
@@ -185,13 +183,13 @@ fn nearly_repeated(source: &Source, side: f64) -> Vec<String> {
     lines
 }
 
-/// The design with these pieces in place of its own: corners, axes and angles found anew.
-pub fn reassembled(old: &Design, pieces: Vec<Piece>, tolerance: f64) -> Design {
+/// The design with these pieces and this gap in place of its own: corners, axes and angles found anew.
+pub fn reassembled(old: &Design, pieces: Vec<Piece>, gap: f64, tolerance: f64) -> Design {
     let joint = |hinge: &Hinge| Joint { pieces: hinge.pieces, vertices: hinge.vertices };
     let joints: Vec<Joint> = old.hinges.iter().map(joint).collect();
     let (closed, open) = pieces.into_iter().map(|piece| (piece.closed, piece.open)).unzip();
     let source = Source { closed, open, constraints: None };
-    design(&source, old.sheet_state, old.gap, tolerance, &joints)
+    design(&source, old.sheet_state, gap, tolerance, &joints)
 }
 
 /// Assembles the design. Corners are clusters of closed points: where slits are closed, pieces share the corners

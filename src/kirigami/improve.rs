@@ -3,15 +3,23 @@
 //! Unknowns are the points of both states; vertices that are one point in a state stay one. A flat sheet state stays in
 //! its plane: it has two unknowns per point. Isometry, Eq. (7), and planarity (signed volumes) are minimised together
 //! with a weak pull towards where the points were, which is phased out: the last phase is hard.
+//!
+//! With a gap, the hinge points of a closed flat sheet move off their corners to where ligaments stand: half the gap to
+//! either side of the slit that passes. Corners are then the unknowns, and the offsets are fixed during each phase.
+
+mod gap;
+
+pub use gap::Slits;
 
 use super::design::{Design, Piece, State};
+use super::repeated::NEARLY;
 use super::rigidity::mean_piece_side;
 use super::terms::{Isometry, PieceAt, Planarity, PointAt, Pull};
 use crate::geometry::coincidence::{clusters, mean, members, near_pairs};
 use crate::geometry::plane::Plane;
 use crate::geometry::rotation::RigidMotion;
 use crate::geometry::{Point3, Vector3, centroid};
-use crate::solver::{Coupling, Options, Report, Run, Step, System, Term, Termination, Weighted};
+use crate::solver::{self, Coupling, Report, Run, Step, System, Term, Termination, Weighted};
 
 /// Weights of the pull in the soft phases, for a mean side of 1, and most iterations of each.
 const SOFT: [(f64, usize); 2] = [(1e-2, 10), (1e-4, 10)];
@@ -21,9 +29,6 @@ const FLOOR: f64 = 1e-29;
 
 /// Most iterations of the hard phase.
 const HARD: usize = 30;
-
-/// Vertices of a piece nearer than this, in mean sides, carry no length that the optimisation resolves.
-const NEARLY_REPEATED: f64 = 1e-3;
 
 /// The points of one state.
 struct Points {
@@ -58,6 +63,13 @@ impl Points {
             .collect();
         Self { of, at, centre }
     }
+
+    /// The design's corners in place of its vertices.
+    fn become_corners(&mut self, design: &Design) {
+        self.centre = centroid(&design.corners).coords;
+        self.at = design.corners.iter().map(|corner| corner.coords - self.centre).collect();
+        self.of = design.pieces.iter().map(|piece| piece.corners.clone()).collect();
+    }
 }
 
 /// The unknowns: the points of the sheet state (plane or space), then those of the other.
@@ -66,6 +78,8 @@ struct Unknowns {
     /// 2 where the first state is flat.
     dimension: usize,
     scale: f64,
+    /// Offset of each vertex of the first state from its point, millimetres.
+    offsets: Vec<Vec<Vector3>>,
 }
 
 impl Unknowns {
@@ -80,13 +94,14 @@ impl Unknowns {
 
     fn pieces(&self) -> Vec<PieceAt> {
         let [first, other] = &self.states;
-        let zero = Vector3::zeros();
+        let offset = |offset: &Vector3| offset / self.scale;
         first
             .of
             .iter()
             .zip(&other.of)
-            .map(|(first, other)| PieceAt {
-                closed: first.iter().map(|&p| (self.place(0, p), zero)).collect(),
+            .zip(&self.offsets)
+            .map(|((first, other), offsets)| PieceAt {
+                closed: first.iter().zip(offsets).map(|(&p, by)| (self.place(0, p), offset(by))).collect(),
                 open: other.iter().map(|&p| self.place(1, p)).collect(),
             })
             .collect()
@@ -132,45 +147,74 @@ impl Unknowns {
     }
 }
 
-/// Improves a design. `tolerance`: vertices of different pieces nearer than this in a state are one point there,
-/// millimetres. Returns the pieces and one report per phase; corners, axes and angles are then to be found anew.
-pub fn improve(design: &Design, tolerance: f64, run: &mut Run) -> (Vec<Piece>, Vec<Report>) {
+/// How a design is improved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Vertices of different pieces nearer than this in a state are one point there, millimetres.
+    pub tolerance: f64,
+    /// Distance between the two hinge points of a closed corner, millimetres; `None` leaves the points what they are.
+    /// Only for a design whose closed state is flat and closed, and has no gap.
+    pub gap: Option<f64>,
+}
+
+/// Improves a design. Returns the pieces and one report per phase; corners, axes and angles are then to be found anew.
+pub fn improve(design: &Design, options: &Options, run: &mut Run) -> (Vec<Piece>, Vec<Report>) {
     let from_open = design.sheet_state == Some(State::Open);
     let polygons = |open: bool| -> Vec<&Vec<Point3>> {
         design.pieces.iter().map(|piece| if open { &piece.open } else { &piece.closed }).collect()
     };
-    let states = [from_open, !from_open].map(|open| Points::new(&polygons(open), tolerance));
+    let mut states = [from_open, !from_open].map(|open| Points::new(&polygons(open), options.tolerance));
+    if options.gap.is_some() {
+        states[0].become_corners(design);
+    }
     let dimension = if design.sheet_state.is_some() { 2 } else { 3 };
-    let unknowns = Unknowns { states, dimension, scale: mean_piece_side(design) };
+    let offsets = design.pieces.iter().map(|piece| vec![Vector3::zeros(); piece.closed.len()]).collect();
+    let mut unknowns = Unknowns { states, dimension, scale: mean_piece_side(design), offsets };
     let mut x = unknowns.pack();
-    let reports = minimize(&unknowns, &mut x, run);
+    let slits = options.gap.map(|gap| (gap, Slits::new(design)));
+    let reports = minimize(design, &mut unknowns, slits.as_ref(), &mut x, run);
     let mut pieces = design.pieces.clone();
     for (i, piece) in pieces.iter_mut().enumerate() {
         let [first, other] = [0, 1].map(|state| {
             let of = &unknowns.states[state].of[i];
             of.iter().map(|&point| unknowns.read(&x, state, point)).collect::<Vec<_>>()
         });
+        let first = first.iter().zip(&unknowns.offsets[i]).map(|(p, offset)| p + offset).collect();
         (piece.closed, piece.open) = if from_open { (other, first) } else { (first, other) };
     }
     carry_nearly_repeated(&unknowns, from_open, &mut pieces);
     (pieces, reports)
 }
 
-fn minimize(unknowns: &Unknowns, x: &mut [f64], run: &mut Run) -> Vec<Report> {
-    let pieces = unknowns.pieces();
+fn minimize(
+    design: &Design,
+    unknowns: &mut Unknowns,
+    slits: Option<&(f64, Slits)>,
+    x: &mut [f64],
+    run: &mut Run,
+) -> Vec<Report> {
     let start = x.to_vec();
-    let hard = Options {
+    let hard = solver::Options {
         iterations: HARD,
         energy_tolerance: 0.5,
         energy_floor: FLOOR,
         damping: 1e-6,
-        ..Options::default()
+        ..solver::Options::default()
     };
-    let soft = SOFT.map(|(pull, iterations)| (pull, Options { iterations, ..Options::default() }));
-    let phases: Vec<(f64, Options)> = soft.into_iter().chain([(0.0, hard)]).collect();
+    let soft =
+        SOFT.map(|(pull, iterations)| (pull, solver::Options { iterations, ..solver::Options::default() }));
+    let phases: Vec<(f64, solver::Options)> = soft.into_iter().chain([(0.0, hard)]).collect();
     let mut system = System::new(unknowns.places());
     let mut reports = Vec::new();
     for (number, (pull, options)) in phases.iter().enumerate() {
+        if let Some((gap, slits)) = slits {
+            let count = unknowns.states[0].at.len();
+            let corners: Vec<Point3> = (0..count).map(|point| unknowns.read(x, 0, point)).collect();
+            let offsets = slits.offsets(design, &corners);
+            let halved = |offsets: Vec<Vector3>| offsets.iter().map(|offset| offset * (0.5 * gap)).collect();
+            unknowns.offsets = offsets.into_iter().map(halved).collect();
+        }
+        let pieces = unknowns.pieces();
         let terms = || {
             let terms: [(Box<dyn Term>, f64); 3] = [
                 (Box::new(Isometry::new(&pieces)), 1.0),
@@ -204,7 +248,7 @@ fn carry_nearly_repeated(unknowns: &Unknowns, from_open: bool, pieces: &mut [Pie
         let (from, to) =
             if from_open { (&piece.open, &mut piece.closed) } else { (&piece.closed, &mut piece.open) };
         let n = from.len();
-        let near = |i: usize, j: usize| (from[i] - from[j]).norm() < NEARLY_REPEATED * unknowns.scale;
+        let near = |i: usize, j: usize| (from[i] - from[j]).norm() < NEARLY * unknowns.scale;
         let carried =
             (0..n).find(|&i| holders[points[i]] == 1 && (0..n).any(|j| j != i && near(i, j)) && n > 3);
         if let Some(i) = carried {

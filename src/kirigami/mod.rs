@@ -36,6 +36,8 @@ pub mod quality;
 
 pub mod rigidity;
 
+pub mod repeated;
+
 pub mod improve;
 
 pub mod validity;
