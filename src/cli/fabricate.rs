@@ -43,17 +43,15 @@ pub fn run(
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(&fabrication.hinges, allow_failing)?;
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
-    let origin = parse_report(&bytes).unwrap_or_else(|| unknown_origin(&file, &fabrication));
-    let quality = measured_anew(&origin.quality, &fabrication);
-    let mut hashes = origin.hashes.clone();
-    hashes.insert("design".to_owned(), fingerprint(&bytes));
-    let figures = figures(&fabrication, &quality);
+    let origin = origin(&bytes, &file, &fabrication);
+    let quality = &origin.quality;
+    let figures = figures(&fabrication, quality);
     let results = Results {
         name: &origin.job,
         target: &origin.target,
-        hashes: &hashes,
+        hashes: &origin.hashes,
         fabrication: &fabrication,
-        quality: &quality,
+        quality,
         stages: &origin.stages,
         profile: &profile,
         dxf: DxfVersion::default(),
@@ -72,11 +70,19 @@ pub fn run(
         .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&fabrication, &quality, folder));
+        events::tell(&event(&fabrication, quality, folder));
     } else if !reporting.quiet {
         print(&summary(&origin.job, &fabrication, &figures, folder));
     }
     Ok(())
+}
+
+/// What the design tells of itself, with the figures of the coordinates that are written and the design's own hash.
+fn origin(bytes: &[u8], file: &Path, fabrication: &Fabrication) -> Origin {
+    let mut origin = parse_report(bytes).unwrap_or_else(|| unknown_origin(file, fabrication));
+    origin.quality = measured_anew(&origin.quality, fabrication);
+    origin.hashes.insert("design".to_owned(), fingerprint(bytes));
+    origin
 }
 
 /// Of a design without a report of ours: its file's name, and its own measures.

@@ -136,8 +136,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The pieces, and the files that they come from by the names of their hashes.
-fn read(arguments: &Arguments) -> Result<(Source, Vec<(&'static str, PathBuf)>), ImportError> {
+/// Files by the names of their hashes.
+type Files = Vec<(&'static str, PathBuf)>;
+
+/// The pieces, and the files that they come from.
+fn read(arguments: &Arguments) -> Result<(Source, Files), ImportError> {
     if let Some(folder) = &arguments.pykirigami {
         let names = [("closed", CLOSED), ("open", OPEN), ("constraints", CONSTRAINTS)];
         let files = names.map(|(name, file)| (name, folder.join(file))).to_vec();
@@ -227,13 +230,14 @@ fn summary(name: &str, imported: &Imported, quality: &Quality, improvement: Opti
     }
     if let Some(Improvement { before, moved }) = improvement {
         text += &format!(
-            "  {:<12}  length error from {:.1e} to {:.1e}, bending from {:.1e} to {:.1e} edges, points moved {moved:.1e} mm \
+            "  {:<12}  length error from {:.1e} to {:.1e}, bending from {:.1e} to {:.1e} edges, points moved {} mm \
              at most\n",
             "improved",
             before.max_length_error,
             quality.max_length_error,
             before.planarity,
-            quality.planarity
+            quality.planarity,
+            if *moved < 1e-3 { format!("{moved:.1e}") } else { format!("{moved:.3}") }
         );
     }
     text

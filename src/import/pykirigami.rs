@@ -54,7 +54,7 @@ fn read_pieces(path: &Path) -> Result<Vec<(usize, Vec<Point3>)>, ImportError> {
         if numbers.is_empty() {
             continue;
         }
-        if numbers.len() % 3 != 0 || numbers.len() < 9 {
+        if !numbers.len().is_multiple_of(3) || numbers.len() < 9 {
             return Err(wrong(format!(
                 "{} numbers; a piece has x y z of three corners or more: the line may be cut short",
                 numbers.len()

@@ -4,6 +4,13 @@
 #![allow(dead_code)]
 
 use std::fmt::Write;
+use std::path::Path;
+
+/// Columns and rows of [`squares`].
+pub const GRID: [usize; 2] = [4, 3];
+
+/// Imports what [`write_pair`] writes.
+pub const PAIR: [&str; 7] = ["import", "--closed", "a.obj", "--open", "b.obj", "-o", "d.json"];
 
 /// One state: the corners of each piece.
 pub type State = Vec<Vec<[f64; 3]>>;
@@ -23,7 +30,7 @@ impl Squares {
         let state = |turn: f64| {
             let pitch = side * (turn.cos() + turn.sin());
             let square = |i: usize, j: usize| {
-                let turn = if (i + j) % 2 == 0 { turn } else { -turn };
+                let turn = if (i + j).is_multiple_of(2) { turn } else { -turn };
                 [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| {
                     let (x, y) = (side * x, side * y);
                     [
@@ -71,4 +78,15 @@ pub fn rows(state: &State) -> String {
         numbers.join(" ") + "\n"
     };
     state.iter().map(row).collect()
+}
+
+/// Twelve squares of 12 mm that turn by 40 degrees.
+pub fn squares() -> Squares {
+    Squares::new(GRID, 12.0, 40_f64.to_radians())
+}
+
+/// Both states as a.obj and b.obj.
+pub fn write_pair(folder: &Path, design: &Squares) {
+    std::fs::write(folder.join("a.obj"), obj(&design.closed)).unwrap();
+    std::fs::write(folder.join("b.obj"), obj(&design.open)).unwrap();
 }

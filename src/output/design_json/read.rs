@@ -153,7 +153,8 @@ pub fn parse(bytes: &[u8]) -> Result<Design, InvalidDesignFile> {
         return Err(InvalidDesignFile::Empty);
     }
     // The version first: another version's keys are no errors of this one's.
-    let Object(head) = serde_json::from_slice::<Object<Head>>(bytes).map_err(json_error)?;
+    let Object(head) =
+        serde_json::from_slice::<Object<Head>>(bytes).map_err(|error| json_error(error, bytes))?;
     match head.version {
         None => return Err(InvalidDesignFile::NoVersion),
         Some(version) if version.as_u64() != Some(VERSION) => {
@@ -161,15 +162,22 @@ pub fn parse(bytes: &[u8]) -> Result<Design, InvalidDesignFile> {
         }
         Some(_) => {}
     }
-    let Object(file) = serde_json::from_slice::<Object<FileText>>(bytes).map_err(json_error)?;
+    let Object(file) =
+        serde_json::from_slice::<Object<FileText>>(bytes).map_err(|error| json_error(error, bytes))?;
     let design = file.design()?;
     check(&design)?;
     Ok(design)
 }
 
-fn json_error(error: serde_json::Error) -> InvalidDesignFile {
+fn json_error(error: serde_json::Error, bytes: &[u8]) -> InvalidDesignFile {
+    // A number cut off behind its sign or point counts as a wrong one, not as an early end.
+    let cut_number = error.line() == bytes.split(|&byte| byte == b'\n').count()
+        && matches!(bytes.last(), Some(b'-' | b'+' | b'.' | b'e' | b'E'));
     match error.classify() {
-        Category::Eof => InvalidDesignFile::Truncated { line: error.line(), column: error.column() },
+        Category::Syntax if !cut_number => InvalidDesignFile::Json(error),
+        Category::Eof | Category::Syntax => {
+            InvalidDesignFile::Truncated { line: error.line(), column: error.column() }
+        }
         _ => InvalidDesignFile::Json(error),
     }
 }
