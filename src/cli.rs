@@ -5,10 +5,14 @@
 mod check;
 mod design;
 mod events;
+mod export;
+mod fabricate;
+mod import;
 mod interrupt;
 mod make;
 mod partial;
 mod progress;
+mod results;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -79,6 +83,26 @@ enum Command {
         #[arg(long)]
         allow_failing_hinges: bool,
     },
+    /// Lay out a design for a profile: from a design.json to checked laser files and the hinge placement report.
+    Fabricate {
+        /// A design.json, or a folder that holds one.
+        design: PathBuf,
+        /// A profile's name or file.
+        #[arg(short, long)]
+        profile: String,
+        /// Folder for the results.
+        #[arg(short, long)]
+        output: PathBuf,
+        /// Write the files even where a hinge fails; its verdict stays "fail".
+        #[arg(long)]
+        allow_failing_hinges: bool,
+        #[command(flatten)]
+        reporting: Reporting,
+    },
+    /// Take over a design made elsewhere: pieces in two states become a design.json.
+    Import(import::Arguments),
+    /// Write a design for other programs.
+    Export(export::Arguments),
     /// List the profiles: sheet, material, laser and ligament.
     Profiles,
 }
@@ -99,8 +123,10 @@ impl Command {
     /// Whether the command tells everything in events.
     fn tells_events(&self) -> bool {
         match self {
-            Self::Make { reporting, .. } | Self::Design { reporting, .. } => reporting.json,
-            Self::Check { .. } | Self::Profiles => false,
+            Self::Make { reporting, .. }
+            | Self::Design { reporting, .. }
+            | Self::Fabricate { reporting, .. } => reporting.json,
+            Self::Check { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => false,
         }
     }
 }
@@ -152,6 +178,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)
         }
+        Command::Fabricate { design, profile, output, allow_failing_hinges, reporting } => {
+            fabricate::run(&design, &profile, &output, allow_failing_hinges, &reporting)
+        }
+        Command::Import(arguments) => import::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Profiles => list_profiles(),
     };
     match result {

@@ -13,9 +13,9 @@
 //! *target* frame (the mesh's own coordinates times the scale to millimetres). Units: millimetres, radians and
 //! `f64` everywhere inside; other units only at the rim, with a suffix in the key (`_deg`, `_mm_per_min`).
 //!
-//! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `fabrication` uses
-//! `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides nothing; `pipeline` and
-//! `cli` use all. No arrow goes back.
+//! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `import` uses `kirigami` and
+//! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides
+//! nothing; `pipeline` and `cli` use all. No arrow goes back.
 
 pub mod toml_source;
 
@@ -28,6 +28,8 @@ pub mod geometry;
 pub mod solver;
 
 pub mod kirigami;
+
+pub mod import;
 
 pub mod fabrication;
 

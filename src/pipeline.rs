@@ -176,12 +176,17 @@ pub fn fingerprint(bytes: &[u8]) -> String {
     format!("fnv1a64:{hash:016x}")
 }
 
-/// Hashes by name of the bytes of the job file and its meshes, to tell files of one design from others'.
-pub fn source_hashes(job: &Job, job_file: &Path) -> BTreeMap<String, String> {
-    let meshes = job.target.meshes();
-    let names = ["job", "target", "closed-target"];
-    let files = names.into_iter().zip(std::iter::once(job_file).chain(meshes));
+/// Hashes by name of the bytes of files.
+pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
     files
-        .filter_map(|(name, path)| Some((name.to_owned(), fingerprint(&std::fs::read(path).ok()?))))
+        .iter()
+        .filter_map(|(name, path)| Some(((*name).to_owned(), fingerprint(&std::fs::read(path).ok()?))))
         .collect()
+}
+
+/// Those of the job file and its meshes, to tell files of one design from others'.
+pub fn source_hashes(job: &Job, job_file: &Path) -> BTreeMap<String, String> {
+    let files = std::iter::once(job_file).chain(job.target.meshes());
+    let named: Vec<(&str, &Path)> = ["job", "target", "closed-target"].into_iter().zip(files).collect();
+    fingerprints(&named)
 }

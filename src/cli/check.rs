@@ -1,23 +1,64 @@
 //! `kirimorph check`: the worst hinges of a design.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Failure, print};
-use crate::fabrication::fabricate::{fabricate, ligament_lengths};
-use crate::fabrication::hinge_table::{HingeRow, Verdict};
+use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
+use crate::fabrication::hinge_table::{HingeRow, Verdict, planned_rows};
+use crate::kirigami::design::{Design, PatternKind, State};
+use crate::kirigami::improve::Slits;
+use crate::kirigami::repeated::without_repeated_corners;
 use crate::output::{design_json, hinge_report};
-use crate::profile;
+use crate::profile::{self, Profile};
 
 /// Reads a design, lays it out for the profile, and prints its worst hinges.
 pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> Result<(), Failure> {
-    let file = if design.is_dir() { design.join("design.json") } else { design.to_owned() };
-    let design = design_json::read(&file).map_err(Failure::bad_input)?;
+    let file = design_file(design);
+    let design = without_repeated(design_json::read(&file).map_err(Failure::bad_input)?);
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
-    let fabrication = ligament_lengths(&design, &profile)
-        .and_then(|lengths| fabricate(&design, &profile, &lengths))
-        .map_err(|error| Failure::NotMakeable(format!("{}: {error}", file.display())))?;
+    let fabrication = lay_out(&design, &profile).map_err(|reason| {
+        print("Cannot be laid out; the hinges as they would have to be:\n");
+        print(&hinge_report::table(&planned_rows(&design, &profile), worst));
+        Failure::NotMakeable(format!("{}: {reason}", file.display()))
+    })?;
     print(&hinge_report::table(&fabrication.hinges, worst));
     refuse_failing(&fabrication.hinges, allow_failing)
+}
+
+/// Lays a design out; the error says why it cannot be cut from a flat sheet.
+pub fn lay_out(design: &Design, profile: &Profile) -> Result<Fabrication, String> {
+    if design.sheet_state.is_none() {
+        return Err(
+            "neither state is flat, so there is no sheet to cut: hinges, axes and solids are all that this \
+                    design has (kirimorph check, export)"
+                .to_owned(),
+        );
+    }
+    let imported = design.pattern == PatternKind::Imported && design.sheet_state == Some(State::Closed);
+    if let Some(hinge) = imported.then(|| Slits::new(design).unclosed(design)).flatten() {
+        let [j, k] = design.hinges[hinge].pieces;
+        return Err(format!(
+            "the sides of pieces {j} and {k} do not lie on each other beside hinge {hinge}: in the closed state this \
+             slit is not closed, and the layout cuts closed slits only; close the slits in the program that made the \
+             design, or state its --gap-mm on import"
+        ));
+    }
+    let lengths = ligament_lengths(design, profile).map_err(|error| error.to_string())?;
+    fabricate(design, profile, &lengths).map_err(|error| error.to_string())
+}
+
+/// The design without corners that nearly coincide in a piece, which no cut can tell apart; says where there were some.
+pub fn without_repeated(design: Design) -> Design {
+    let (simple, pieces) = without_repeated_corners(&design);
+    for piece in pieces {
+        eprintln!("warning: piece {piece} has two corners that nearly coincide: laid out as one");
+    }
+    simple
+}
+
+/// The file of a design that may be named by its folder.
+pub fn design_file(design: &Path) -> PathBuf {
+    if design.is_dir() { design.join("design.json") } else { design.to_owned() }
 }
 
 /// An error where a hinge fails, unless that is allowed.

@@ -1,20 +1,17 @@
 //! `kirimorph make`: the main job, its files and its summary.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
+use super::results::{Results, WriteError, write_timings};
 use super::{Failure, Optimisation, events, interrupt, partial, print};
 use crate::job::{Job, read_job};
 use crate::memory;
-use crate::output::design_json::{self, DesignFile, Provenance};
-use crate::output::folder::{FILE_NAMES, FolderError, OutputFolder};
-use crate::output::preview::{self, Preview};
-use crate::output::{dxf, hinge_report, partial_json, svg};
-use crate::pipeline::{Clock, Made, Progress, Timings, make, source_hashes};
+use crate::output::folder::{FILE_NAMES, OutputFolder};
+use crate::output::{design_json, hinge_report, partial_json};
+use crate::pipeline::{Clock, Made, Progress, make, source_hashes};
 
 /// Runs the job and writes its results, all or none.
 pub fn run(
@@ -96,76 +93,20 @@ impl Input<'_> {
     }
 }
 
-/// Anything that can go wrong while results are written.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-struct WriteError(String);
-
-macro_rules! write_error_from {
-    ($($error:ty),*) => {
-        $(impl From<$error> for WriteError {
-            fn from(error: $error) -> Self {
-                Self(error.to_string())
-            }
-        })*
-    };
-}
-
-write_error_from!(
-    io::Error,
-    FolderError,
-    design_json::WriteDesignError,
-    dxf::WriteDxfError,
-    svg::WriteSvgError,
-    hinge_report::WriteHingesError,
-    preview::WritePreviewError,
-    serde_json::Error
-);
-
 fn write_results(input: &Input, made: &Made, out: &OutputFolder) -> Result<(), WriteError> {
-    let Made { fabrication, quality, stages } = made;
-    let profile = &input.job.fabrication.profile;
     let hashes = source_hashes(input.job, input.job_file);
-    let summary = hinge_report::summary(&fabrication.hinges);
-    let design = DesignFile {
-        design: &fabrication.design,
-        quality,
-        stages,
-        max_strain: summary.as_ref().map(|summary| summary.worst_strain.value),
-        provenance: Provenance { job: input.name, target: &input.target_name(), hashes: &hashes },
-    };
-    out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
-    let comments = [
-        format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), input.name, profile.name),
-        format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
-    ];
-    let version = input.job.fabrication.dxf;
-    out.write::<WriteError>("cut.dxf", |file| {
-        Ok(dxf::write(&fabrication.layout, version, &comments, file)?)
-    })?;
-    out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&fabrication.layout, &comments, file)?))?;
-    out.write::<WriteError>("hinges.json", |file| {
-        Ok(hinge_report::write_json(&fabrication.hinges, profile, file)?)
-    })?;
-    out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(&fabrication.hinges, file)?))?;
-    let preview = Preview {
-        fabrication,
-        title: input.name,
-        profile: &profile.name,
+    let results = Results {
+        name: input.name,
         target: &input.target_name(),
+        hashes: &hashes,
+        fabrication: &made.fabrication,
+        quality: &made.quality,
+        stages: &made.stages,
+        profile: &input.job.fabrication.profile,
+        dxf: input.job.fabrication.dxf,
         figures: &figures(made),
     };
-    out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
-}
-
-fn write_timings(timings: &Timings, out: &mut BufWriter<File>) -> Result<(), WriteError> {
-    let stages: Vec<_> = timings
-        .0
-        .iter()
-        .map(|(name, seconds)| serde_json::json!({ "name": name, "seconds": seconds }))
-        .collect();
-    serde_json::to_writer_pretty(&mut *out, &serde_json::json!({ "stages": stages }))?;
-    Ok(writeln!(out)?)
+    results.write(out)
 }
 
 /// The figures by which a person judges the result: label and value, short enough for one line of the

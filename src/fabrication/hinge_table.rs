@@ -1,7 +1,10 @@
 //! The hinge placement report's rows: what was measured on the layout, and a verdict per hinge.
 
+use kurbo::Point;
+
 use super::ligament::MeasuredLigament;
-use super::mechanics::{Fatigue, StrainClass, assess};
+use super::mechanics::{Fatigue, StrainClass, assess, required_length};
+use crate::geometry::plane::doubled_area;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge};
 use crate::profile::Profile;
@@ -79,6 +82,44 @@ pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Pro
         .collect()
 }
 
+/// The rows of hinges that were not laid out: with the profile's width and the length that each angle needs (at most
+/// the profile's longest), as if their cuts were exact and nothing else were near. Where the design has no flat state
+/// the tilt is that against the mean normal of the two pieces.
+pub fn planned_rows(design: &Design, profile: &Profile) -> Vec<HingeRow> {
+    let longest = profile.ligament.max_length;
+    let plan = |(id, hinge): (usize, &Hinge)| {
+        let ligament = MeasuredLigament {
+            width: profile.ligament.width,
+            length: required_length(profile, hinge.angle).unwrap_or(longest),
+            centre: Point::new(hinge.point.x, hinge.point.y),
+            centre_offset: 0.5 * (profile.hinge_gap() - design.gap).abs(),
+            nearest_cut: f64::INFINITY,
+            bar: [Point::ORIGIN; 2],
+        };
+        let up = match design.sheet_state {
+            Some(_) => Vector3::z(),
+            None => hinge
+                .pieces
+                .iter()
+                .map(|&piece| doubled_area(&design.pieces[piece].closed).normalize())
+                .sum::<Vector3>()
+                .try_normalize(0.0)
+                .unwrap_or_else(Vector3::z),
+        };
+        let rise = hinge.axis.dot(&up).clamp(-1.0, 1.0);
+        // The same tilt, in a frame whose z is up.
+        let axis = Vector3::new((1.0 - rise * rise).sqrt(), 0.0, rise);
+        let mut row = hinge_row(id, &Hinge { axis, ..hinge.clone() }, &ligament, profile);
+        row.axis = hinge.axis;
+        if let Err(error) = required_length(profile, hinge.angle) {
+            row.verdict = Verdict::Fail;
+            row.reason = error.to_string();
+        }
+        row
+    };
+    design.hinges.iter().enumerate().map(plan).collect()
+}
+
 fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Profile) -> HingeRow {
     let load = assess(profile, ligament.length, hinge.angle);
     let mut row = HingeRow {
@@ -151,8 +192,6 @@ fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
 
 #[cfg(test)]
 mod tests {
-    use kurbo::Point;
-
     use super::*;
     use crate::fabrication::test_sheet::profile;
 

@@ -42,4 +42,8 @@ pub mod flatten;
 
 pub mod rotation;
 
-pub(crate) mod union_find;
+pub mod coincidence;
+
+pub mod plane;
+
+pub mod union_find;

@@ -26,6 +26,8 @@ impl State {
 pub enum PatternKind {
     /// Section 2.1 of the paper: rectangles that turn by about 45 degrees, "constant mean stretch".
     RotatingRectangles,
+    /// Made by another program: any pieces, only as rigid as they came.
+    Imported,
 }
 
 /// A rigid piece: its hinge polygon in both states.

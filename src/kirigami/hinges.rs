@@ -2,9 +2,9 @@
 
 use super::design::{Design, Hinge, PatternKind, Piece, State};
 use super::pattern::Pattern;
-use super::piece_mesh::PieceMesh;
-use crate::geometry::Vector3;
+use super::piece_mesh::{Edge, PieceMesh};
 use crate::geometry::rotation::{RigidMotion, axis_angle};
+use crate::geometry::{Point3, Vector3};
 
 /// Assembles the design: pieces in the pattern's order, one hinge per inner edge in the edges' order. Without a sheet state
 /// the closed one is the frame of reference.
@@ -19,29 +19,47 @@ pub fn design(mesh: &PieceMesh, pattern: &Pattern, gap: f64, sheet_state: Option
             open: owned.iter().map(|&e| pattern.open[e]).collect(),
         })
         .collect();
+    let joint = |(e, edge): (usize, &Edge)| {
+        let pieces = [edge.piece, edge.neighbour?];
+        Some(Joint { pieces, vertices: pieces.map(|piece| mesh.vertex_of(piece, e)) })
+    };
+    let joints: Vec<Joint> = mesh.edges.iter().enumerate().filter_map(joint).collect();
+    let kind = PatternKind::RotatingRectangles;
+    assemble(kind, sheet_state, gap, pattern.corners.clone(), pieces, &joints)
+}
+
+/// Two vertices of two pieces that coincide in both states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Joint {
+    /// The pieces j and k.
+    pub pieces: [usize; 2],
+    /// The vertex of each.
+    pub vertices: [usize; 2],
+}
+
+/// Assembles a design from its pieces and joints: one hinge per joint, in their order. Axes and angles are those of the
+/// motion from the sheet state (from the closed one, where neither is flat) to the other.
+pub fn assemble(
+    pattern: PatternKind,
+    sheet_state: Option<State>,
+    gap: f64,
+    corners: Vec<Point3>,
+    pieces: Vec<Piece>,
+    joints: &[Joint],
+) -> Design {
     let reference = sheet_state.unwrap_or(State::Closed);
-    let motions: Vec<RigidMotion> = pieces
+    let motion =
+        |piece: &Piece| RigidMotion::fit(piece.vertices(reference), piece.vertices(reference.other()));
+    let motions: Vec<RigidMotion> = pieces.iter().map(motion).collect();
+    let hinges = joints
         .iter()
-        .map(|piece| RigidMotion::fit(piece.vertices(reference), piece.vertices(reference.other())))
-        .collect();
-    let hinges = (0..mesh.edges.len())
-        .filter_map(|e| {
-            let edge = &mesh.edges[e];
-            let (j, k) = (edge.piece, edge.neighbour?);
-            let vertices = [j, k].map(|piece| mesh.vertex_of(piece, e));
+        .map(|&Joint { pieces: [j, k], vertices }| {
             let (axis, angle) = relative_turn(&motions[j], &motions[k]);
             let point = pieces[j].vertices(reference)[vertices[0]];
-            Some(Hinge { pieces: [j, k], vertices, point, axis, angle })
+            Hinge { pieces: [j, k], vertices, point, axis, angle }
         })
         .collect();
-    Design {
-        pattern: PatternKind::RotatingRectangles,
-        sheet_state,
-        gap,
-        corners: pattern.corners.clone(),
-        pieces,
-        hinges,
-    }
+    Design { pattern, sheet_state, gap, corners, pieces, hinges }
 }
 
 /// Axis and angle of the rotation `A_j^-1 A_k`: seen from piece j, piece k turns by the angle about the axis,
@@ -54,7 +72,6 @@ pub fn relative_turn(motion_j: &RigidMotion, motion_k: &RigidMotion) -> (Vector3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Point3;
     use nalgebra::Rotation3;
 
     #[test]

@@ -36,6 +36,12 @@ pub mod feasibility;
 
 pub mod quality;
 
+pub mod rigidity;
+
+pub mod repeated;
+
+pub mod improve;
+
 pub mod validity;
 
 pub mod filled;

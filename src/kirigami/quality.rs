@@ -158,6 +158,27 @@ fn fit(design: &Design, state: State, surface: &PolyMesh, goal: Goal) -> Option<
     })
 }
 
+/// Measures a design that has no target: all figures that would compare with one are NaN.
+pub fn measure_alone(design: &Design) -> Quality {
+    let mean_edge = design.mean_edge();
+    let (e_isom, max_length_error) = length_errors(design, mean_edge);
+    Quality {
+        e_isom,
+        max_length_error,
+        planarity: planarity(design) / mean_edge,
+        distance_max: f64::NAN,
+        sagitta_max: f64::NAN,
+        coverage_max: f64::NAN,
+        boundary_max: f64::NAN,
+        target_diagonal: f64::NAN,
+        fits: Vec::new(),
+        mean_edge,
+        asked_edge: f64::NAN,
+        area_expansion: f64::NAN,
+        stretch_ratio: f64::NAN,
+    }
+}
+
 impl Quality {
     /// The limits that are broken, in order of importance.
     pub fn shortfalls(&self, limits: &Limits) -> Vec<Shortfall> {
@@ -221,7 +242,9 @@ fn length_errors(design: &Design, mean_edge: f64) -> (f64, f64) {
                 let closed = (piece.closed[i] - piece.closed[j]).norm();
                 let open = (piece.open[i] - piece.open[j]).norm();
                 energy += ((closed * closed - open * open) / mean_edge.powi(2)).powi(2);
-                worst = worst.max(((closed - open) / closed).abs());
+                // Corners that coincide have no length to be relative to.
+                let length = if closed > 0.0 { closed } else { mean_edge };
+                worst = worst.max(((closed - open) / length).abs());
             }
         }
     }

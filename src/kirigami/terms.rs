@@ -8,6 +8,8 @@ mod control_face;
 
 mod piece;
 
+mod pull;
+
 mod shape;
 
 mod target;
@@ -22,6 +24,7 @@ mod tests;
 
 pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};
 pub use piece::{ClosedVertex, Isometry, PieceAt, Planarity};
+pub use pull::Pull;
 pub use shape::{Lengths, LinearTerm, RightAngles};
 pub use target::{Held, Hold};
 pub use width::LeastWidths;

@@ -8,6 +8,7 @@
 
 mod invariants;
 mod read;
+mod read_report;
 mod report;
 
 use std::collections::BTreeMap;
@@ -22,7 +23,8 @@ use crate::kirigami::quality::Quality;
 use crate::solver::Report;
 
 pub use invariants::{InvalidDesign, MAX_COORDINATE, SAME_POINT, UNIT_LENGTH, check};
-pub use read::{InvalidDesignFile, MAX_FILE_BYTES, ReadDesignError, parse, read};
+pub use read::{InvalidDesignFile, MAX_FILE_BYTES, ReadDesignError, parse, read, read_bytes};
+pub use read_report::{Origin, parse_report};
 pub use report::figures;
 
 /// The version of the format that is written and read.
@@ -111,6 +113,7 @@ pub fn write<W: Write>(file: &DesignFile, out: W) -> Result<(), WriteDesignError
 fn pattern_name(pattern: PatternKind) -> &'static str {
     match pattern {
         PatternKind::RotatingRectangles => "rotating-rectangles",
+        PatternKind::Imported => "imported",
     }
 }
 

@@ -42,10 +42,16 @@ pub enum FolderError {
     },
 }
 
+/// Whether a file is one that a run makes.
+fn is_of_a_run(name: &str) -> bool {
+    FILE_NAMES.contains(&name) || name == PARTIAL
+}
+
 /// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.
 pub struct OutputFolder {
     wanted: PathBuf,
     partial: PathBuf,
+    is_ours: fn(&str) -> bool,
     finished: bool,
 }
 
@@ -55,6 +61,10 @@ impl OutputFolder {
     /// # Errors
     /// A file in its place, or a folder with other files.
     pub fn check(wanted: &Path) -> Result<(), FolderError> {
+        Self::check_of(wanted, is_of_a_run)
+    }
+
+    fn check_of(wanted: &Path, is_ours: fn(&str) -> bool) -> Result<(), FolderError> {
         let io = |source| FolderError::Io { path: wanted.to_owned(), source };
         match fs::symlink_metadata(wanted) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -64,7 +74,7 @@ impl OutputFolder {
         }
         for entry in fs::read_dir(wanted).map_err(io)? {
             let found = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
-            if !FILE_NAMES.contains(&found.as_str()) && found != PARTIAL {
+            if !is_ours(&found) {
                 return Err(FolderError::Occupied { path: wanted.to_owned(), found });
             }
         }
@@ -76,7 +86,15 @@ impl OutputFolder {
     /// # Errors
     /// As [`OutputFolder::check`], or the file system's refusal.
     pub fn create(wanted: &Path) -> Result<Self, FolderError> {
-        Self::check(wanted)?;
+        Self::create_of(wanted, is_of_a_run)
+    }
+
+    /// The same for files of other names: a folder that exists may hold only those that `is_ours` knows.
+    ///
+    /// # Errors
+    /// A file in its place, a folder with other files, or the file system's refusal.
+    pub fn create_of(wanted: &Path, is_ours: fn(&str) -> bool) -> Result<Self, FolderError> {
+        Self::check_of(wanted, is_ours)?;
         let absolute = std::path::absolute(wanted)
             .map_err(|source| FolderError::Io { path: wanted.to_owned(), source })?;
         let parent = absolute.parent().unwrap_or(Path::new("/"));
@@ -85,7 +103,7 @@ impl OutputFolder {
         fs::create_dir_all(parent)
             .and_then(|()| fs::create_dir(&partial))
             .map_err(|source| FolderError::Io { path: wanted.to_owned(), source })?;
-        Ok(Self { wanted: absolute, partial, finished: false })
+        Ok(Self { wanted: absolute, partial, is_ours, finished: false })
     }
 
     /// Writes one file.
@@ -121,7 +139,7 @@ impl OutputFolder {
     /// as it was.
     pub fn finish(mut self) -> Result<(), FolderError> {
         let io = |source| FolderError::Io { path: self.wanted.clone(), source };
-        Self::check(&self.wanted)?;
+        Self::check_of(&self.wanted, self.is_ours)?;
         let old = self.partial.with_extension("old");
         let replaces = self.wanted.exists();
         if replaces {

@@ -22,6 +22,8 @@ pub mod stretch_map;
 
 pub mod whole_file;
 
+pub mod exchange;
+
 pub mod folder;
 
 use crate::fabrication::layout::CutKind;

@@ -55,6 +55,22 @@ pub fn made(folder: &Path, job: &str, out: &str) -> PathBuf {
     folder.join(out)
 }
 
+/// Runs the program, which must fail with this status and message and change nothing in its folder.
+pub fn refused(folder: &Path, arguments: &[&str], status: i32, says: &[&str]) {
+    let before = listing(folder);
+    let run = run(folder, arguments);
+    assert_eq!(run.status, status, "{arguments:?}: {run:?}");
+    assert!(run.stderr.starts_with(if status == 1 { "error: " } else { "refused: " }), "{}", run.stderr);
+    assert_eq!(run.stdout, "");
+    for part in says {
+        assert!(run.stderr.contains(part), "{part:?} is not in {}", run.stderr);
+    }
+    assert!(listing(folder) == before, "files changed: {}", run.stderr);
+    if std::env::var_os("SHOW_MESSAGES").is_some() {
+        println!("{}", run.stderr);
+    }
+}
+
 /// Runs a test program of `tests/oracle`, which prints one line of JSON; `None` where it is missing.
 pub fn asked(program: Option<Command>, arguments: &[&dyn AsRef<OsStr>]) -> Option<Value> {
     let mut program = program?;

@@ -15,7 +15,7 @@ pub mod obj;
 pub mod ply;
 pub mod polylines;
 pub mod stl;
-mod text;
+pub(crate) mod text;
 
 pub use error::{InvalidMeshFile, MAX_COORDINATE, MAX_FILE_BYTES, Place, Problem, ReadMeshError};
 
@@ -80,7 +80,8 @@ fn require_regular_file(path: &Path) -> Result<(), ReadMeshError> {
 }
 
 /// The content of a file of at most [`MAX_FILE_BYTES`].
-fn read_file(path: &Path) -> Result<Vec<u8>, ReadMeshError> {
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, ReadMeshError> {
+    require_regular_file(path)?;
     let io = |source| ReadMeshError::Io { path: path.into(), source };
     let mut bytes = Vec::new();
     // One byte more than the limit tells whether the file is larger.

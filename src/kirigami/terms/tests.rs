@@ -70,6 +70,7 @@ fn jacobians_agree_with_differences() {
         Box::new(Isometry::new(&[piece_between(3, 2, 4), piece_between(3, 2, 5)])),
         Box::new(Planarity::new(&[piece_between(3, 2, 4), piece_between(3, 2, 6)])),
         Box::new(LeastWidths::new([[at(0, 3), at(6, 3), at(30, 3)], [at(30, 3), at(0, 3), at(6, 3)]], 9.0)),
+        Box::new(Pull::new("pull", &scattered(9))),
         Box::new(Lengths::new("sides", [([at(0, 2), at(6, 2)], 0.9), ([at(8, 2), at(2, 2)], 1.2)])),
         Box::new(RightAngles::new("opening", [[at(0, 3), at(6, 3), at(30, 3)]])),
         Box::new(RightAngles::new("rectangles", [[at(0, 2), at(6, 2), at(30, 2)]])),

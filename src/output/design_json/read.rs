@@ -89,7 +89,9 @@ pub enum InvalidDesignFile {
         found: String,
     },
     /// A pattern that this program does not know.
-    #[error("the pattern \"{found}\" is not known to this version, which reads \"rotating-rectangles\"")]
+    #[error(
+        "the pattern \"{found}\" is not known to this version, which reads \"rotating-rectangles\" and \"imported\""
+    )]
     Pattern {
         /// The pattern as written, shortened.
         found: String,
@@ -119,6 +121,14 @@ pub enum InvalidDesignFile {
 /// # Errors
 /// See [`ReadDesignError`]; every message names the file.
 pub fn read(path: &Path) -> Result<Design, ReadDesignError> {
+    parse(&read_bytes(path)?).map_err(|source| ReadDesignError::Invalid { path: path.into(), source })
+}
+
+/// Reads the content of a design file, of at most [`MAX_FILE_BYTES`].
+///
+/// # Errors
+/// The file cannot be read, or is no file.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadDesignError> {
     let io = |source| ReadDesignError::Io { path: path.into(), source };
     let metadata = fs::metadata(path).map_err(io)?;
     if !metadata.is_file() {
@@ -131,7 +141,7 @@ pub fn read(path: &Path) -> Result<Design, ReadDesignError> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(ReadDesignError::TooLarge { path: path.into() });
     }
-    parse(&bytes).map_err(|source| ReadDesignError::Invalid { path: path.into(), source })
+    Ok(bytes)
 }
 
 /// Reads a design from the content of a file. The report inside is not looked at.
@@ -143,7 +153,8 @@ pub fn parse(bytes: &[u8]) -> Result<Design, InvalidDesignFile> {
         return Err(InvalidDesignFile::Empty);
     }
     // The version first: another version's keys are no errors of this one's.
-    let Object(head) = serde_json::from_slice::<Object<Head>>(bytes).map_err(json_error)?;
+    let Object(head) =
+        serde_json::from_slice::<Object<Head>>(bytes).map_err(|error| json_error(error, bytes))?;
     match head.version {
         None => return Err(InvalidDesignFile::NoVersion),
         Some(version) if version.as_u64() != Some(VERSION) => {
@@ -151,15 +162,22 @@ pub fn parse(bytes: &[u8]) -> Result<Design, InvalidDesignFile> {
         }
         Some(_) => {}
     }
-    let Object(file) = serde_json::from_slice::<Object<FileText>>(bytes).map_err(json_error)?;
+    let Object(file) =
+        serde_json::from_slice::<Object<FileText>>(bytes).map_err(|error| json_error(error, bytes))?;
     let design = file.design()?;
     check(&design)?;
     Ok(design)
 }
 
-fn json_error(error: serde_json::Error) -> InvalidDesignFile {
+fn json_error(error: serde_json::Error, bytes: &[u8]) -> InvalidDesignFile {
+    // A number cut off behind its sign or point counts as a wrong one, not as an early end.
+    let cut_number = error.line() == bytes.split(|&byte| byte == b'\n').count()
+        && matches!(bytes.last(), Some(b'-' | b'+' | b'.' | b'e' | b'E'));
     match error.classify() {
-        Category::Eof => InvalidDesignFile::Truncated { line: error.line(), column: error.column() },
+        Category::Syntax if !cut_number => InvalidDesignFile::Json(error),
+        Category::Eof | Category::Syntax => {
+            InvalidDesignFile::Truncated { line: error.line(), column: error.column() }
+        }
         _ => InvalidDesignFile::Json(error),
     }
 }
@@ -237,9 +255,10 @@ impl FileText {
         if self.units != UNITS {
             return Err(InvalidDesignFile::Units { found: shortened(&self.units) });
         }
-        if self.pattern != pattern_name(PatternKind::RotatingRectangles) {
+        let kinds = [PatternKind::RotatingRectangles, PatternKind::Imported];
+        let Some(pattern) = kinds.into_iter().find(|&kind| pattern_name(kind) == self.pattern) else {
             return Err(InvalidDesignFile::Pattern { found: shortened(&self.pattern) });
-        }
+        };
         let sheet_state = match self.sheet_state {
             None => None,
             Some(name) => {
@@ -264,7 +283,7 @@ impl FileText {
             angle: text.angle_deg.to_radians(),
         };
         Ok(Design {
-            pattern: PatternKind::RotatingRectangles,
+            pattern,
             sheet_state,
             gap,
             corners: points(corners),

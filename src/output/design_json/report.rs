@@ -6,7 +6,9 @@ use std::path::Path;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::{DesignFile, Stage, WriteDesignError};
+use crate::kirigami::design::Design;
 use crate::kirigami::quality::Quality;
+use crate::kirigami::rigidity;
 use crate::output::json_rows::write_rows;
 use crate::solver::Iteration;
 
@@ -31,15 +33,33 @@ pub fn figures(quality: &Quality) -> [(&'static str, f64); 12] {
     ]
 }
 
+/// The figures that compare with a target, or with what was asked for.
+const OF_TARGET: [&str; 8] = [
+    "distance_max_mm",
+    "coverage_max_mm",
+    "boundary_max_mm",
+    "sagitta_max_mm",
+    "asked_edge_mm",
+    "area_expansion",
+    "stretch_ratio",
+    "target_diagonal_mm",
+];
+
 /// Refuses figures and energies that JSON cannot hold.
+///
+/// Without a target, whose diagonal is then NaN, all figures that compare with one may be NaN; they are written as null.
 pub(super) fn check(file: &DesignFile) -> Result<(), WriteDesignError> {
     let finite = |value: f64, place: &dyn Fn() -> String| match value.is_finite() {
         true => Ok(()),
         false => Err(WriteDesignError::NotFinite { place: place(), value }),
     };
+    let no_target = file.quality.target_diagonal.is_nan();
     for (key, value) in figures(file.quality) {
-        finite(value, &|| format!("report.{key}"))?;
+        if !(no_target && value.is_nan() && OF_TARGET.contains(&key)) {
+            finite(value, &|| format!("report.{key}"))?;
+        }
     }
+    finite(rigid_residual(file.design), &|| "report.rigid_residual".into())?;
     finite(file.max_strain.unwrap_or(0.0), &|| "report.max_strain".into())?;
     for stage in file.stages {
         for (number, row) in rows(stage).enumerate() {
@@ -64,6 +84,7 @@ pub(super) fn write(file: &DesignFile, out: &mut impl Write) -> io::Result<()> {
     for (key, value) in figures(file.quality) {
         write_entry(out, key, &value)?;
     }
+    write_entry(out, "rigid_residual", &rigid_residual(file.design))?;
     write_entry(out, "max_strain", &file.max_strain)?;
     write_entry(out, "pieces", &file.design.pieces.len())?;
     write_entry(out, "hinges", &file.design.hinges.len())?;
@@ -74,6 +95,11 @@ pub(super) fn write(file: &DesignFile, out: &mut impl Write) -> io::Result<()> {
         write!(out, "\n      }}")?;
     }
     write!(out, "{}]\n  }}", if file.stages.is_empty() { "" } else { "\n    " })
+}
+
+/// How far the least rigid piece is from rigid, in mean sides of the pieces.
+fn rigid_residual(design: &Design) -> f64 {
+    rigidity::worst(design).map_or(0.0, |worst| worst.strain)
 }
 
 fn write_entry<T: Serialize + ?Sized>(out: &mut impl Write, key: &str, value: &T) -> io::Result<()> {

@@ -1,0 +1,157 @@
+//! `kirimorph fabricate`: from a design to the files of `make`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::check::{design_file, lay_out, refuse_failing, without_repeated};
+use super::progress::{Reporter, Reporting};
+use super::results::{Results, WriteError, write_timings};
+use super::{Failure, events, interrupt, print};
+use crate::fabrication::fabricate::Fabrication;
+use crate::kirigami::quality::{Quality, measure_alone};
+use crate::output::design_json::{self, Origin, parse_report};
+use crate::output::dxf::DxfVersion;
+use crate::output::folder::{FILE_NAMES, OutputFolder};
+use crate::output::hinge_report;
+use crate::pipeline::{Clock, Progress, fingerprint};
+use crate::profile;
+
+/// Lays a design out and writes the results, all or none.
+pub fn run(
+    design: &Path,
+    profile: &str,
+    folder: &Path,
+    allow_failing: bool,
+    reporting: &Reporting,
+) -> Result<(), Failure> {
+    let file = design_file(design);
+    let bytes = design_json::read_bytes(&file).map_err(Failure::bad_input)?;
+    let design = design_json::parse(&bytes)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+    let design = without_repeated(design);
+    let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
+    OutputFolder::check(folder).map_err(Failure::bad_input)?;
+    interrupt::listen();
+    let mut reporter = Reporter::new(reporting);
+    let mut watch = |progress: &Progress| {
+        reporter.show(progress);
+        interrupt::flow()
+    };
+    let mut clock = Clock::new(&mut watch);
+    let fabrication = clock
+        .run("fabrication", |_| lay_out(&design, &profile))
+        .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
+    refuse_failing(&fabrication.hinges, allow_failing)?;
+    clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
+    let origin = origin(&bytes, &file, &fabrication);
+    let quality = &origin.quality;
+    let figures = figures(&fabrication, quality);
+    let results = Results {
+        name: &origin.job,
+        target: &origin.target,
+        hashes: &origin.hashes,
+        fabrication: &fabrication,
+        quality,
+        stages: &origin.stages,
+        profile: &profile,
+        dxf: DxfVersion::default(),
+        figures: &figures,
+    };
+    clock
+        .run("output", |_| -> Result<OutputFolder, WriteError> {
+            let out = OutputFolder::create(folder)?;
+            results.write(&out)?;
+            Ok(out)
+        })
+        .and_then(|out| {
+            out.write("timings.json", |file| write_timings(&clock.timings, file))?;
+            Ok(out.finish()?)
+        })
+        .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
+    drop(reporter);
+    if reporting.json {
+        events::tell(&event(&fabrication, quality, folder));
+    } else if !reporting.quiet {
+        print(&summary(&origin.job, &fabrication, &figures, folder));
+    }
+    Ok(())
+}
+
+/// What the design tells of itself, with the figures of the coordinates that are written and the design's own hash.
+fn origin(bytes: &[u8], file: &Path, fabrication: &Fabrication) -> Origin {
+    let mut origin = parse_report(bytes).unwrap_or_else(|| unknown_origin(file, fabrication));
+    origin.quality = measured_anew(&origin.quality, fabrication);
+    origin.hashes.insert("design".to_owned(), fingerprint(bytes));
+    origin
+}
+
+/// Of a design without a report of ours: its file's name, and its own measures.
+fn unknown_origin(file: &Path, fabrication: &Fabrication) -> Origin {
+    Origin {
+        job: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        target: "unknown".to_owned(),
+        hashes: BTreeMap::new(),
+        quality: measure_alone(&fabrication.design),
+        stages: Vec::new(),
+    }
+}
+
+/// What compares with the target stays as it was reported; the rest is measured on the coordinates that are written.
+fn measured_anew(reported: &Quality, fabrication: &Fabrication) -> Quality {
+    let own = measure_alone(&fabrication.design);
+    Quality {
+        e_isom: own.e_isom,
+        max_length_error: own.max_length_error,
+        planarity: own.planarity,
+        mean_edge: own.mean_edge,
+        ..reported.clone()
+    }
+}
+
+/// Label and value, for the preview and the terminal.
+fn figures(fabrication: &Fabrication, quality: &Quality) -> Vec<(String, String)> {
+    let hinges = &fabrication.hinges;
+    let angles = hinges.iter().map(|row| row.angle.to_degrees());
+    let (least, most) = angles.fold((f64::INFINITY, 0.0_f64), |(l, m), a| (l.min(a), m.max(a)));
+    let tilt = hinges.iter().map(|row| row.tilt.to_degrees()).fold(0.0, f64::max);
+    let mut rows = vec![
+        ("pieces, hinges", format!("{}, {}", fabrication.design.pieces.len(), hinges.len())),
+        ("mean edge", format!("{:.3} mm", quality.mean_edge)),
+        ("length error", format!("{:.1e} relative", quality.max_length_error)),
+        ("bending", format!("{:.1e} edges", quality.planarity)),
+    ];
+    if quality.distance_max.is_finite() {
+        rows.push(("off the target", format!("{:.3} mm", quality.distance_max)));
+    }
+    rows.push(("hinge angles", format!("{least:.1} to {most:.1} deg")));
+    rows.push(("largest tilt", format!("{tilt:.1} deg")));
+    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+}
+
+fn event(fabrication: &Fabrication, quality: &Quality, folder: &Path) -> serde_json::Value {
+    let hinges = hinge_report::summary(&fabrication.hinges);
+    let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
+    serde_json::json!({
+        "event": "result",
+        "status": 0,
+        "folder": folder,
+        "files": FILE_NAMES,
+        "pieces": fabrication.design.pieces.len(),
+        "hinges": fabrication.hinges.len(),
+        "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
+        "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
+        "figures": figures,
+    })
+}
+
+fn summary(name: &str, fabrication: &Fabrication, figures: &[(String, String)], folder: &Path) -> String {
+    let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
+    let mut text = format!("{name}: laid out\n");
+    for (label, value) in figures {
+        text += &format!("  {label:<width$}  {value}\n");
+    }
+    if let Some(summary) = hinge_report::summary(&fabrication.hinges) {
+        text += &format!("  {summary}\n");
+    }
+    text + &format!("Files in {}\n", folder.display())
+}
