@@ -16,7 +16,8 @@ pub struct Combed {
     /// #F: quarter turns that take coordinates of this triangle to those of its neighbour across each edge, 0 to 3;
     /// 0 where no cut runs.
     pub jumps: Vec<[u8; 3]>,
-    /// Singular vertices, each with four times its index: 1 where three cells meet around, -1 where five do.
+    /// Singular vertices, each with four times its index: 1 where a piece has three corners, -1 where it has five. Those
+    /// farthest from the boundary first.
     pub singular: Vec<(usize, i32)>,
     /// #V: the next vertex of the cut towards the boundary; `None` off the cut and at its end.
     pub parent: Vec<Option<usize>>,
@@ -26,8 +27,10 @@ pub struct Combed {
 
 /// Combs a field. `boundary` is the boundary loop.
 pub fn comb(mesh: &TriMesh, links: &Links, crosses: &[Complex<f64>], boundary: &[usize]) -> Combed {
-    let singular = singular_vertices(mesh, links, crosses, boundary);
+    let mut singular = singular_vertices(mesh, links, crosses, boundary);
     let (towards, distance) = ways_out(mesh, links, boundary, !singular.is_empty());
+    // An order that does not depend on the vertices' numbers.
+    singular.sort_by(|a, b| distance[b.0].total_cmp(&distance[a.0]));
     let mut parent = vec![None; mesh.vertices.len()];
     let mut cut = Vec::new();
     for &(vertex, _) in &singular {

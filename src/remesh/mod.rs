@@ -42,7 +42,7 @@ mod pieces;
 mod tests;
 
 use comb::Combed;
-use field::Wishes;
+use field::{Smoothness, Wishes};
 use fit::{Grid, Sizes};
 use links::Links;
 pub use map::{Principal, SurfaceMap};
@@ -237,8 +237,14 @@ const TRIMMED_SKIRT: f64 = 0.42;
 /// Width where the grid follows the boundary: room for rounding.
 const FOLLOWED_SKIRT: f64 = 1e-3;
 
+/// Weight of the boundary where it is followed: the field leaves it by less than a tenth of a degree.
+const BOUNDARY: f64 = 1e4;
+
+/// Smoothing length, in cells, that gives up the map's directions where the boundary is followed.
+const GIVEN_UP: f64 = 1e5;
+
 /// How often smoothing is doubled at most.
-const DOUBLINGS: usize = 8;
+const DOUBLINGS: u32 = 6;
 
 /// Lays a quad-dominant mesh over the open surface of a map, its edges along the principal stretch directions.
 ///
@@ -249,11 +255,26 @@ pub fn align(map: &SurfaceMap, options: &Options) -> Result<Aligned, RemeshError
     let links = Links::new(map.open());
     let principal = map.principal();
     let side = (options.cell[0] * options.cell[1]).sqrt();
-    let mut smoothing = options.smoothing;
+    let smoothness = Smoothness::new(&links, &principal);
+    let doublings = if options.singular == Singular::Refused { 0 } else { DOUBLINGS };
+    let mut smoothings: Vec<f64> = (0..=doublings).map(|k| options.smoothing * f64::from(1 << k)).collect();
+    if options.singular == Singular::Smoothed {
+        smoothings.push(f64::INFINITY);
+    }
     let mut failed = None;
-    for _ in 0..=DOUBLINGS {
-        let wishes = Wishes { length: smoothing * side, boundary: options.outline == Outline::Followed };
-        let crosses = field::cross_field(&links, &principal, wishes).ok_or(RemeshError::Degenerate)?;
+    for smoothing in smoothings {
+        let length = smoothing.min(GIVEN_UP);
+        let crosses = match options.outline {
+            // The boundary's weight against the field's smoothness stays the same.
+            Outline::Followed => {
+                smoothness.field(Wishes { length: length * side, boundary: BOUNDARY * length * length })
+            }
+            Outline::Trimmed if smoothing.is_infinite() => smoothness.smoothest(),
+            Outline::Trimmed => {
+                smoothness.field(Wishes { length: length * side, boundary: field::FAINT_BOUNDARY })
+            }
+        };
+        let crosses = crosses.ok_or(RemeshError::Degenerate)?;
         let combed = comb::comb(map.open(), &links, &crosses, map.boundary());
         match attempt(map, &links, &principal, &combed, options) {
             Ok(aligned) => return Ok(Aligned { smoothing, ..aligned }),
@@ -262,10 +283,6 @@ pub fn align(map: &SurfaceMap, options: &Options) -> Result<Aligned, RemeshError
             }
             Err(error) => return Err(error),
         }
-        if options.singular == Singular::Refused {
-            break;
-        }
-        smoothing *= 2.0;
     }
     Err(failed.expect("a failed attempt"))
 }
@@ -315,7 +332,7 @@ fn attempt(
     for shift in shifts {
         let atlas = atlas::Atlas::new(map, links, combed, &grid, skirt, shift);
         let source = pieces::Source { map, principal, atlas: &atlas };
-        match pieces::pieces(&source, &places, !followed) {
+        match pieces::pieces(&source, !followed) {
             Ok(found) if best.as_ref().is_none_or(|best| found.covered > best.covered * (1.0 + 1e-9)) => {
                 best = Some(found);
             }

@@ -24,11 +24,12 @@ pub struct Aligned {
     pub pieces: Vec<Piece>,
     /// How well the grid follows the directions.
     pub alignment: Alignment,
-    /// Singular places: position on the open surface, and 3, 5 or 6, the corners of the piece there.
-    pub singular: Vec<(Point3, usize)>,
+    /// The pieces that do not have four corners but 3, 5 or 6: where the directions turn around a place.
+    pub singular: Vec<usize>,
     /// Part of the open surface that the pieces cover, 0 to 1.
     pub covered: f64,
-    /// The smoothing that was needed, in mean cell sides.
+    /// The smoothing that was needed, in mean cell sides; infinite where the directions were given up but for one turn
+    /// of the whole.
     pub smoothing: f64,
 }
 
@@ -72,11 +73,7 @@ pub(super) struct Source<'a> {
 }
 
 /// Turns the cells of an atlas into pieces. `trimmed` leaves away loose cells at the outline.
-pub(super) fn pieces(
-    source: &Source,
-    singular: &[(usize, i32)],
-    trimmed: bool,
-) -> Result<Aligned, RemeshError> {
+pub(super) fn pieces(source: &Source, trimmed: bool) -> Result<Aligned, RemeshError> {
     let cells = extract(source.atlas);
     let corners: Vec<Vec<usize>> = cells.faces.iter().map(|f| f.iter().map(|&(n, _)| n).collect()).collect();
     // A quad has all its samples; a piece with n corners n quarters as many.
@@ -90,16 +87,10 @@ pub(super) fn pieces(
     }
     let faces: Vec<Vec<usize>> = kept.iter().map(|&f| corners[f].clone()).collect();
     disk(&faces).map_err(RemeshError::PiecesNotADisk)?;
-    Ok(assemble(source, singular, &cells, &kept, faces))
+    Ok(assemble(source, &cells, &kept, faces))
 }
 
-fn assemble(
-    source: &Source,
-    singular: &[(usize, i32)],
-    cells: &Cells,
-    kept: &[usize],
-    mut faces: Vec<Vec<usize>>,
-) -> Aligned {
+fn assemble(source: &Source, cells: &Cells, kept: &[usize], mut faces: Vec<Vec<usize>>) -> Aligned {
     let mut number: BTreeMap<usize, usize> = faces.iter().flatten().map(|&n| (n, 0)).collect();
     number.values_mut().enumerate().for_each(|(k, value)| *value = k);
     faces.iter_mut().flatten().for_each(|n| *n = number[n]);
@@ -110,10 +101,7 @@ fn assemble(
     Aligned {
         pieces: pieces_of(source.principal, &lines, &samples, &faces),
         alignment: alignment(source.principal, &lines, &samples),
-        singular: singular
-            .iter()
-            .map(|&(v, by)| (source.map.open().vertices[v], (4 - by) as usize))
-            .collect(),
+        singular: (0..faces.len()).filter(|&f| faces[f].len() != 4).collect(),
         covered: covered(source.map, &lines, &samples),
         mesh: PolyMesh { vertices, faces },
         closed,
@@ -186,9 +174,9 @@ fn alignment(principal: &[Principal], lines: &[[Complex<f64>; 2]], samples: &[&[
     Alignment { mean: if weights > 0.0 { sum / weights } else { 0.0 }, largest, sizes }
 }
 
-/// Part of the surface within the pieces, by samples.
+/// Part of the surface within the pieces, by samples: exact where the cells are alike.
 fn covered(map: &SurfaceMap, lines: &[[Complex<f64>; 2]], samples: &[&[Sample]]) -> f64 {
     let cell = |s: &Sample| (lines[s.triangle][0].conj() * lines[s.triangle][1]).im;
     let area: f64 = samples.iter().flat_map(|samples| samples.iter()).map(cell).sum();
-    area / (SAMPLES * SAMPLES) as f64 / map.area()
+    (area / (SAMPLES * SAMPLES) as f64 / map.area()).min(1.0)
 }
