@@ -136,8 +136,9 @@ fn check_areas(mesh: &TriMesh, state: &'static str) -> Result<(), RemeshError> {
     let thin = |face: &[usize; 3]| {
         let [a, b, c] = face.map(|v| mesh.vertices[v]);
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-        // Not a number counts as thin.
-        !(normal(mesh, face).norm() > THINNEST * longest * longest)
+        let height = normal(mesh, face).norm() / (longest * longest);
+        // Not a number, from a longest edge of zero or infinity, counts as thin.
+        height.is_nan() || height <= THINNEST
     };
     match mesh.faces.iter().position(thin) {
         Some(face) => Err(RemeshError::NoArea { face, state }),

@@ -18,8 +18,7 @@ fn sheet_meshes(nx: usize, ny: usize, state: impl Fn(f64, f64) -> [Point3; 2]) -
         let wobble = |salt: f64| inner * (12.9898 * k as f64 + salt).sin();
         ((i as f64 + wobble(0.3)) / nx as f64, (j as f64 + wobble(1.7)) / ny as f64)
     };
-    let states: Vec<[Point3; 2]> =
-        (0..(nx + 1) * (ny + 1)).map(|k| at(k)).map(|(x, y)| state(x, y)).collect();
+    let states: Vec<[Point3; 2]> = (0..(nx + 1) * (ny + 1)).map(at).map(|(x, y)| state(x, y)).collect();
     let faces: Vec<[usize; 3]> = (0..ny)
         .flat_map(|j| (0..nx).map(move |i| j * (nx + 1) + i))
         .flat_map(|a| {
