@@ -54,24 +54,7 @@ pub fn fit(
     let Corners { sums, quarters } = corners(links, combed, &mesh.faces);
     let gradients: Vec<Gradients> = mesh.faces.iter().map(|face| Gradients::new(mesh, face)).collect();
     let mean_area = gradients.iter().map(|g| g.area).sum::<f64>() / gradients.len() as f64;
-    let mut firm = vec![];
-    let mut wholes = vec![];
-    for &(vertex, _) in &combed.singular {
-        wholes.extend([2 * vertex, 2 * vertex + 1].map(|i| Whole { sum: vec![(i, 1.0)], offset: 0.5 }));
-    }
-    // The whole grid may be shifted: one place is held.
-    let (anchor, at) = combed.singular.first().map_or((mesh.faces[0][0], 0.0), |&(v, _)| (v, 0.5));
-    firm.extend([2 * anchor, 2 * anchor + 1].map(|i| Row { sum: vec![(i, 1.0)], value: at }));
-    if sizes.boundary {
-        if combed.singular.is_empty() {
-            firm.clear();
-        }
-        let runs = boundary_runs(mesh, links, combed, &sums);
-        add_runs(&runs, &mut firm, &mut wholes);
-        if combed.singular.is_empty() {
-            add_anchors(&runs, anchor, &mut firm);
-        }
-    }
+    let (firm, wholes) = conditions(mesh, links, combed, &sums, sizes.boundary);
     let mut weights: Vec<f64> = gradients.iter().map(|g| g.area / mean_area).collect();
     let mut best: Option<Grid> = None;
     for _ in 0..=STIFFENINGS {
@@ -80,11 +63,7 @@ pub fn fit(
             let cell = cell_sides(combed.directions[f], &principal[f], sizes.cell);
             add_rows(&mut rows, gradient, &sums[f], combed.directions[f], cell, sizes, weights[f]);
         }
-        let root = FIRM.sqrt();
-        rows.extend(firm.iter().map(|row| Row {
-            sum: row.sum.iter().map(|&(i, factor)| (i, root * factor)).collect(),
-            value: root * row.value,
-        }));
+        rows.extend(firm.iter().cloned());
         let x = System::new(2 * mesh.vertices.len(), &rows)?.solve(&wholes);
         let point = |[u, v]: &[Sum; 2]| Vector2::new(value(u, &x), value(v, &x));
         let uv: Vec<[Vector2; 3]> = sums.iter().map(|row| std::array::from_fn(|i| point(&row[i]))).collect();
@@ -101,6 +80,33 @@ pub fn fit(
         }
     }
     best
+}
+
+/// Rows that must hold, and sums that must be whole: singular vertices in the middle of cells, the boundary on grid
+/// lines if asked for, and one place held, since the whole grid may be shifted.
+fn conditions(
+    mesh: &TriMesh,
+    links: &Links,
+    combed: &Combed,
+    sums: &[[[Sum; 2]; 3]],
+    boundary: bool,
+) -> (Vec<Row>, Vec<Whole>) {
+    let runs = if boundary { boundary_runs(mesh, links, combed, sums) } else { vec![] };
+    let mut wholes = vec![];
+    for &(vertex, _) in &combed.singular {
+        wholes.extend(own(vertex).map(|sum| Whole { sum, offset: 0.5 }));
+    }
+    let mut firm = match combed.singular.first() {
+        Some(&(vertex, _)) => own(vertex).map(|sum| Row { sum, value: 0.5 }).to_vec(),
+        None => anchors(&runs, mesh.faces[0][0]),
+    };
+    add_runs(&runs, &mut firm, &mut wholes);
+    let root = FIRM.sqrt();
+    for row in &mut firm {
+        row.sum.iter_mut().for_each(|(_, factor)| *factor *= root);
+        row.value *= root;
+    }
+    (firm, wholes)
 }
 
 /// Whether a triangle of the parameter plane keeps its orientation.
@@ -199,12 +205,10 @@ fn add_runs(runs: &[Run], firm: &mut Vec<Row>, wholes: &mut Vec<Whole>) {
     }
 }
 
-/// Holds the first line of each coordinate; where a coordinate has none, the anchor.
-fn add_anchors(runs: &[Run], anchor: usize, firm: &mut Vec<Row>) {
-    for k in 0..2 {
-        let line = runs.iter().find(|run| run.constant == k).map(|run| run.sums[0].clone());
-        firm.push(Row { sum: line.unwrap_or_else(|| own(anchor)[k].clone()), value: 0.0 });
-    }
+/// Holds the first line of each coordinate; where a coordinate has none, a vertex.
+fn anchors(runs: &[Run], vertex: usize) -> Vec<Row> {
+    let line = |k: usize| runs.iter().find(|run| run.constant == k).map(|run| run.sums[0].clone());
+    (0..2).map(|k| Row { sum: line(k).unwrap_or_else(|| own(vertex)[k].clone()), value: 0.0 }).collect()
 }
 
 fn own(vertex: usize) -> [Sum; 2] {

@@ -278,10 +278,8 @@ pub fn align(map: &SurfaceMap, options: &Options) -> Result<Aligned, RemeshError
         let combed = comb::comb(map.open(), &links, &crosses, map.boundary());
         match attempt(map, &links, &principal, &combed, options) {
             Ok(aligned) => return Ok(Aligned { smoothing, ..aligned }),
-            Err(error @ (RemeshError::Singular { .. } | RemeshError::GridFolds { .. })) => {
-                failed.get_or_insert(error);
-            }
-            Err(error) => return Err(error),
+            Err(error @ (RemeshError::Degenerate | RemeshError::TooFew { .. })) => return Err(error),
+            Err(error) => _ = failed.get_or_insert(error),
         }
     }
     Err(failed.expect("a failed attempt"))

@@ -319,3 +319,25 @@ fn where_no_direction_means_anything_the_grid_goes_with_the_outline() {
     assert_eq!(aligned.mesh.faces.len(), 15 * 12);
     assert!(aligned.covered > 0.999 && aligned.alignment.largest == 0.0);
 }
+
+#[test]
+fn a_full_turn_takes_four_triangles_or_gives_the_directions_up() {
+    // Shrunk radially: rays and circles all around the middle, that smoothing alone cannot undo.
+    let map = sheet(30, 30, |x, y| {
+        let p = flat(2.0 * x - 1.0, 2.0 * y - 1.0);
+        let r = p.coords.norm().max(1e-9);
+        [flat(50.0 * p.x * r.atan() / r, 50.0 * p.y * r.atan() / r), flat(50.0 * p.x, 50.0 * p.y)]
+    });
+    let aligned = align(&map, &Options::square(5.0)).expect("aligned");
+    check(&map, &aligned);
+    assert_eq!(aligned.singular.len(), 4);
+    assert!(aligned.singular.iter().all(|&f| aligned.mesh.faces[f].len() == 3));
+    assert!(aligned.alignment.mean < 0.05, "{:?}", aligned.alignment);
+    for outline in [Outline::Trimmed, Outline::Followed] {
+        let options = Options { singular: Singular::Smoothed, outline, ..Options::square(5.0) };
+        let even = align(&map, &options).expect("aligned");
+        check(&map, &even);
+        assert!(even.singular.is_empty() && even.smoothing > 1.0);
+        assert!(even.alignment.sizes[0] > 2.5 && even.alignment.sizes[1] < 10.0, "{:?}", even.alignment);
+    }
+}
