@@ -27,6 +27,8 @@ pub mod geometry;
 
 pub mod solver;
 
+pub mod remesh;
+
 pub mod kirigami;
 
 pub mod import;
