@@ -7,8 +7,8 @@
 use kurbo::{Point, Vec2};
 
 use super::frame::CornerKind;
-use super::layout::PathVertex;
 use super::slit::Plan;
+use crate::fabrication::layout::PathVertex;
 
 /// Turns below this are joined by the averaged offset point, above it by an arc or by the lines' intersection.
 const SHARP_TURN: f64 = 20.0 * std::f64::consts::PI / 180.0;
