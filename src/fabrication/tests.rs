@@ -331,6 +331,22 @@ fn bent_sheets_with_steps_and_windows_are_made_too() {
 }
 
 #[test]
+fn kinked_borders_keep_the_ligaments_width() {
+    // The border turns at the hinge in (10, 0): the corner comes out of the sheet, or goes into it.
+    for degrees in [30.0_f64, 45.0, 60.0, -30.0] {
+        let slope = (0.5 * degrees).to_radians().tan();
+        let kink = |x: f64, y: f64| [x, y + slope * (x - 10.0).abs().min(10.0) * (1.0 - y / 10.0).max(0.0)];
+        let sheet = TestSheet::rectangle([4, 3], [10.0, 10.0], 0.0);
+        for length in [0.5, 1.1, 1.6] {
+            let (_, ligaments) = cuts(&moved(&sheet.design(0.25 * PI), kink), &profile(), length);
+            for ligament in &ligaments {
+                assert!((ligament.width - 0.5).abs() < 1e-3, "{degrees}: {ligament:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn inner_cuts_come_first_and_the_border_last() {
     for (sheet, phi) in sheets() {
         let paths = made(&sheet, phi).layout.paths;
