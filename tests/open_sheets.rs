@@ -295,6 +295,11 @@ fn check_reads_an_open_design_and_prints_its_hinges() {
     assert!(code == Some(1) && text.contains("piece 3, open vertex 1"), "{text}");
     let mut neither = good;
     neither["sheet_state"] = Value::Null;
+    // Then the closed state is the frame of reference.
+    for (hinge, row) in design.hinges.iter().enumerate() {
+        let closed = design.pieces[row.pieces[0]].closed[row.vertices[0]];
+        neither["hinges"][hinge]["point"] = json!([closed.x, closed.y, closed.z]);
+    }
     let (code, text) = check(&neither);
     assert!(code == Some(2) && text.contains("neither state of the design is flat"), "{text}");
 }

@@ -1,5 +1,5 @@
-//! Whether the true outlines overlap in the state that the sheet turns into. Outlines, not hinge polygons: the strip outside a hinge
-//! polygon collides first.
+//! Whether the true outlines overlap in the state that the sheet turns into. Outlines, not hinge polygons: of a closed
+//! sheet the strip outside a hinge polygon collides first.
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;

@@ -56,7 +56,8 @@ def main():
         pieces = json.load(file)["pieces"]
     _, _, paths, _ = read_dxf(args.dxf)
     body = burned_body(paths, args.kerf)
-    discs = [shapely.Point(h["point"][:2]).buffer(0.5 * h["length_mm"]) for h in hinges]
+    # Wide enough to sever the ligament, however short it is.
+    discs = [shapely.Point(h["point"][:2]).buffer(max(0.5 * h["length_mm"], 0.75 * h["width_mm"])) for h in hinges]
     parts = shapely.get_parts(shapely.difference(body, shapely.union_all(discs)))
     parts = parts[shapely.area(parts) > SPECK]
     closed, misses, missing = [], [0.0], 0
@@ -77,7 +78,7 @@ def main():
     near = shapely.STRtree(closed).query(closed, predicate="dwithin", distance=1.0)
     gaps = [shapely.distance(closed[p], closed[q]) for p, q in zip(*near) if p < q]
     worst = max(overlaps, default=0.0)
-    ok = missing == 0 and len(parts) == len(pieces) and worst <= args.tolerance
+    ok = bool(missing == 0 and len(parts) == len(pieces) and worst <= args.tolerance)
     figures = {
         "parts": len(parts),
         "pieces": len(pieces),

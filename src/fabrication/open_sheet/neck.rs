@@ -1,14 +1,21 @@
 //! The ligament of an open sheet: a neck between the ends of two windows.
 //!
 //! ```text
-//!      window                   The neck's axis runs from piece j to piece k through the hinge point P and halves
-//!   \\  _______  /              the angle between the pieces' own bisectors. Either window ends in a straight flat,
-//!    \\|   l   |/               half a width and half a kerf from P, with rounded ends. Where the pieces are wider
-//!   j   ===P===   k    h        than the ligament, the window's end cuts feet into them, as a T bar does into a
-//!    /|_______|\\               closed sheet, so that a length l is free.
-//!   /            \\
-//!      window
+//!         window
+//!    \               /
+//!     |             |   foot
+//!   j |_____   _____|
+//!            P          k      h
+//!      _____   _____
+//!     |      l      |
+//!     |             |
+//!    /               \
 //! ```
+//!
+//! The neck's axis runs from piece j to piece k through the hinge point P and halves the angle between the pieces' own
+//! bisectors. Either window ends in a straight flat, half a width and half a kerf from P, with rounded ends. Where the
+//! pieces are wider than the ligament the window's end cuts feet into them, as a T bar does into a closed sheet, so
+//! that a length l is free on both sides.
 
 use kurbo::{Point, Vec2};
 
