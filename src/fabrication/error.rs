@@ -8,15 +8,12 @@ use super::mechanics::LengthError;
 /// Why no cut layout was made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FabricationError {
-    /// Only the closed state is cut as slits; the open state needs windows.
+    /// A pattern between two curved surfaces cannot be cut from flat stock.
     #[error(
-        "the sheet state is {found}, but the laser layout needs a flat closed state: give the job a flat \
-         `closed` target"
+        "neither state of the design is flat (its sheet_state is null), so there is no flat cut file: its pieces, hinges \
+         and report stand in design.json; for a laser give the job a flat `closed` or `open` target"
     )]
-    SheetState {
-        /// The design's sheet state in words.
-        found: &'static str,
-    },
+    NoFlatState,
     /// Broken indices or list lengths, or a number that is not finite.
     #[error("piece {piece}: {reason}; the design is damaged, make it anew")]
     BadPiece {
@@ -105,6 +102,90 @@ pub enum FabricationError {
         /// Lower limit: a ligament and kerf at either end.
         limit: f64,
     },
+    /// A side of a piece of an open sheet without room for the ligaments at its ends.
+    #[error(
+        "a side of piece {piece} at ({x:.2}, {y:.2}) mm is {length:.3} mm long, but the ligaments at its ends need \
+         {needed:.3} mm of it: take larger pieces, shorter ligaments or hinges that turn further"
+    )]
+    ShortSide {
+        /// The piece.
+        piece: usize,
+        /// The side's midpoint.
+        x: f64,
+        /// The side's midpoint.
+        y: f64,
+        /// The side's length.
+        length: f64,
+        /// What the cuts around the ligaments and a kerf between them take.
+        needed: f64,
+    },
+    /// A window that leaves no ligament of the asked form.
+    #[error("hinge {hinge} at ({x:.2}, {y:.2}) mm: {reason}")]
+    WindowCorner {
+        /// The hinge.
+        hinge: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// What is wrong, and the remedy.
+        reason: &'static str,
+    },
+    /// A window that is narrower than the groove that cuts it, or whose outline crosses itself.
+    #[error(
+        "the {kind} is only {width:.3} mm wide at ({x:.2}, {y:.2}) mm, less than the kerf of {kerf} mm: let the hinges \
+         open further, or take larger pieces"
+    )]
+    NarrowWindow {
+        /// "window" or "notch in the border".
+        kind: &'static str,
+        /// Midway between the two sides.
+        x: f64,
+        /// Midway between the two sides.
+        y: f64,
+        /// Width of the opening; 0 where it crosses itself.
+        width: f64,
+        /// The kerf.
+        kerf: f64,
+    },
+    /// Folded ligaments of an open sheet have no room in the closed state.
+    #[error(
+        "corner {corner}, the window at ({x:.2}, {y:.2}) mm: closed, hinges {hinges:?} stand {found:.3} mm apart, but \
+         their folded ligaments need {needed:.3} mm: optimise the design with a gap (gap_mm) of at least that"
+    )]
+    NarrowGap {
+        /// The corner.
+        corner: usize,
+        /// Middle of its window.
+        x: f64,
+        /// Middle of its window.
+        y: f64,
+        /// The two hinges.
+        hinges: [usize; 2],
+        /// Distance of the hinge points in the closed state.
+        found: f64,
+        /// The gap that is needed.
+        needed: f64,
+    },
+    /// A folded ligament of an open sheet meets a piece or another ligament in the closed state.
+    #[error(
+        "closed, the folded ligament of hinge {hinge} at ({x:.2}, {y:.2}) mm overlaps {other} by {area:.4} mm²: optimise \
+         the design with a larger gap (gap_mm), at least {needed:.3} mm"
+    )]
+    FoldedLigament {
+        /// The hinge.
+        hinge: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// What it meets.
+        other: String,
+        /// Overlap area.
+        area: f64,
+        /// The gap that a flat closed corner needs.
+        needed: f64,
+    },
     /// The sheet consists of several parts.
     #[error(
         "the pieces form {count} separate parts, but one sheet must be connected: trim the pattern to one part"
@@ -174,7 +255,7 @@ pub enum FabricationError {
         /// What became of it.
         reason: String,
     },
-    /// Two pieces joined by a hinge overlap in the open state.
+    /// Two pieces joined by a hinge overlap in the other state.
     #[error(
         "pieces {pieces:?} overlap by {area:.4} mm² when hinge {hinge} at ({x:.2}, {y:.2}) mm has turned by \
          {angle_deg:.1} degrees: {}", hinge_remedy(*.length, *.needed)
@@ -197,10 +278,10 @@ pub enum FabricationError {
         /// The free length at which the roots of the ligament just clear each other, h tan(angle/2).
         needed: f64,
     },
-    /// Two pieces that only meet at a corner overlap in the open state.
+    /// Two pieces that only meet at a corner overlap in the other state.
     #[error(
         "pieces {pieces:?}, which meet at corner {corner} at ({x:.2}, {y:.2}) mm, overlap by {area:.4} mm² in the \
-         open state: the pattern is opened too far there"
+         {state} state: their hinges turn too far there"
     )]
     CornerCollision {
         /// The pieces.
@@ -213,6 +294,8 @@ pub enum FabricationError {
         y: f64,
         /// Overlap area.
         area: f64,
+        /// The state in which they overlap.
+        state: &'static str,
     },
 }
 

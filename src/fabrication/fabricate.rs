@@ -1,21 +1,16 @@
 //! From a design to a checked cut layout: the stages of fabrication, one after the other.
 
-use super::collision::{check_corner_collisions, check_hinge_collisions};
-use super::cuts::{CutSet, bounding_box, cut_set};
+use super::cuts::bounding_box;
 use super::error::FabricationError;
-use super::frame::corner_frames;
 use super::hinge_table::{HingeRow, hinge_rows};
-use super::layout::CutLayout;
-use super::ligament::measure_ligaments;
+use super::layout::{CutLayout, CutPath};
+use super::ligament::MeasuredLigament;
 use super::mechanics::{LengthError, clearance_length, required_length};
 use super::notes::notes;
-use super::order::in_cutting_order;
-use super::outline::{Contour, piece_outlines};
+use super::outline::Contour;
 use super::placement::place_on_sheet;
-use super::slit::Plan;
-use super::topology::topology;
-use super::web::{CutIndex, check_webs};
-use crate::kirigami::design::{Design, Hinge};
+use super::{closed_sheet, open_sheet};
+use crate::kirigami::design::{Design, Hinge, State};
 use crate::profile::Profile;
 
 /// A checked sheet, ready to be written.
@@ -52,41 +47,42 @@ pub fn ligament_lengths(design: &Design, profile: &Profile) -> Result<Vec<f64>, 
     design.hinges.iter().enumerate().map(length).collect()
 }
 
+/// What the layouts of closed and of open sheets have in common: checked cuts and what is left between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LaidOut {
+    /// The cuts in order.
+    pub paths: Vec<CutPath>,
+    /// One per hinge of the design, measured on the cuts.
+    pub ligaments: Vec<MeasuredLigament>,
+    /// One per piece, without the ligaments.
+    pub outlines: Vec<Contour>,
+}
+
 /// Lays out a design for the laser and checks the result.
 ///
 /// `lengths`: free ligament length per hinge, millimetres, in the order of [`Design::hinges`].
 ///
 /// # Errors
-/// A design that is damaged or not closed and flat, too large for the stock, with cuts too close together, with
-/// pieces that fall off, hang together or collide when they open. Hinges that are only weak or inaccurate are no
-/// error: their row says so.
+/// A design that is damaged or flat in neither state, too large for the stock, with cuts too close together, with
+/// pieces that fall off, hang together or collide in the other state. Hinges that are only weak or inaccurate are
+/// no error: their row says so.
 pub fn fabricate(
     design: &Design,
     profile: &Profile,
     lengths: &[f64],
 ) -> Result<Fabrication, FabricationError> {
-    let kerf = profile.laser.kerf;
     let design = place_on_sheet(design, profile, lengths)?;
-    let topology = topology(&design)?;
-    let frames = corner_frames(&design, &topology)?;
-    let cuts = in_cutting_order(&cut_set(&Plan::new(&topology, &frames, lengths, profile))?);
-    let index = CutIndex::new(&cuts.paths);
-    check_webs(&cuts, &index, kerf, profile.laser.min_web)?;
-    let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);
-    let outlines = piece_outlines(&design, &cuts.paths, &ligaments, kerf)?;
-    check_hinge_collisions(&design, &outlines, &ligaments)?;
-    check_corner_collisions(&design, &topology.fans, &outlines)?;
-    let hinges = hinge_rows(&design, &ligaments, profile);
-    Ok(Fabrication { layout: layout(cuts, profile), design, hinges, outlines })
+    let laid = match design.sheet_state {
+        Some(State::Closed) => closed_sheet::lay_out(&design, profile, lengths)?,
+        Some(State::Open) => open_sheet::lay_out(&design, profile, lengths)?,
+        None => return Err(FabricationError::NoFlatState),
+    };
+    let hinges = hinge_rows(&design, &laid.ligaments, profile);
+    Ok(Fabrication { layout: layout(laid.paths, profile), design, hinges, outlines: laid.outlines })
 }
 
-fn layout(cuts: CutSet, profile: &Profile) -> CutLayout {
+fn layout(paths: Vec<CutPath>, profile: &Profile) -> CutLayout {
     let kerf = profile.laser.kerf;
-    let part = bounding_box(&cuts.paths).inset(0.5 * kerf);
-    CutLayout {
-        sheet: [profile.sheet.width, profile.sheet.height],
-        kerf,
-        paths: cuts.paths,
-        notes: notes(profile, part),
-    }
+    let part = bounding_box(&paths).inset(0.5 * kerf);
+    CutLayout { sheet: [profile.sheet.width, profile.sheet.height], kerf, paths, notes: notes(profile, part) }
 }

@@ -1,23 +1,22 @@
-//! From pieces and hinges to cuts: ligaments, slits, relief cuts, border, true outlines. Knows cuts and tools,
-//! not file formats.
+//! From pieces and hinges to cuts: ligaments, slits, windows, border, true outlines. Knows cuts and tools, not file
+//! formats. A sheet that is flat in its closed state is laid out by [`closed_sheet`], one that is flat in its open
+//! state by [`open_sheet`]; the rest is common to both.
 
 pub mod mechanics;
 
 pub mod topology;
 
-pub mod frame;
+pub mod states;
 
-pub mod slit;
+pub mod closed_sheet;
 
-pub mod border;
+pub mod open_sheet;
 
 pub mod cuts;
 
 pub mod layout;
 
 pub mod placement;
-
-pub mod order;
 
 pub mod web;
 

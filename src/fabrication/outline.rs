@@ -13,6 +13,7 @@ use super::cuts::ARC_TOLERANCE;
 use super::error::FabricationError;
 use super::layout::{CutKind, CutPath};
 use super::ligament::MeasuredLigament;
+use super::states::sheet_vertices;
 use crate::kirigami::design::Design;
 
 /// A closed contour: x, y in millimetres, counter-clockwise if it bounds from outside.
@@ -106,7 +107,7 @@ fn match_pieces(design: &Design, regions: Vec<Shape>, scrap: f64) -> Result<Vec<
     let mut owner: Vec<Option<usize>> = vec![None; regions.len()];
     let mut outlines = Vec::with_capacity(design.pieces.len());
     for (piece, vertices) in design.pieces.iter().enumerate() {
-        let polygon: Contour = vertices.closed.iter().map(|p| [p.x, p.y]).collect();
+        let polygon: Contour = sheet_vertices(design, vertices).iter().map(|p| [p.x, p.y]).collect();
         let [x, y] = centroid(&polygon);
         let error = |reason: String| Err(FabricationError::PieceRegion { piece, x, y, reason });
         let holds = |&i: &usize| boxes[i].contains(Point::new(x, y)) && contains(&regions[i][0], [x, y]);

@@ -1,46 +1,39 @@
 //! Where the part lies on the stock.
 
-use super::cuts::{bounding_box, cut_set};
+use super::cuts::bounding_box;
 use super::error::FabricationError;
-use super::frame::corner_frames;
-use super::slit::Plan;
-use super::topology::topology;
+use super::{closed_sheet, open_sheet};
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, State};
 use crate::profile::Profile;
 
 /// The design, moved in x and y so that its cuts, with half a kerf, keep the stock's margin from the left and the
-/// lower edge. The open state stays where it is. Moving a moved design changes nothing beyond rounding.
+/// lower edge. The other state stays where it is. Moving a moved design changes nothing beyond rounding.
 ///
 /// `lengths`: free ligament length per hinge, millimetres.
 ///
 /// # Errors
-/// A sheet state other than closed, a damaged design, or a part that is larger than the stock.
+/// A design that is flat in neither state or damaged, or a part that is larger than the stock.
 pub fn place_on_sheet(
     design: &Design,
     profile: &Profile,
     lengths: &[f64],
 ) -> Result<Design, FabricationError> {
-    let found = match design.sheet_state {
-        Some(State::Closed) => None,
-        Some(State::Open) => Some("open"),
-        None => Some("not flat"),
-    };
-    if let Some(found) = found {
-        return Err(FabricationError::SheetState { found });
-    }
+    let state = design.sheet_state.ok_or(FabricationError::NoFlatState)?;
     check_lengths(design, profile, lengths)?;
-    let topology = topology(design)?;
-    let frames = corner_frames(design, &topology)?;
-    let cuts = cut_set(&Plan::new(&topology, &frames, lengths, profile))?;
-    let part = bounding_box(&cuts.paths).inset(0.5 * profile.laser.kerf);
+    let paths = match state {
+        State::Closed => closed_sheet::cuts_of(design, profile, lengths)?.0.paths,
+        State::Open => open_sheet::cuts_of(design, profile, lengths)?.0.paths,
+    };
+    let part = bounding_box(&paths).inset(0.5 * profile.laser.kerf);
     let sheet = &profile.sheet;
     let [room_x, room_y] = [sheet.width, sheet.height].map(|size| size - 2.0 * sheet.margin);
     // A nanometre of rounding may make a part that just fits seem too large.
     if part.width() > room_x + 1e-6 || part.height() > room_y + 1e-6 {
         // When the target is scaled, ligament and kerf around the pieces keep their size, and so does half a gap on
         // each piece's side.
-        let rim = profile.hinge_gap() + profile.laser.kerf;
+        let ligaments = if state == State::Closed { profile.hinge_gap() } else { 0.0 };
+        let rim = ligaments + profile.laser.kerf;
         let gap_share = 0.5 * design.gap / design.mean_edge();
         let scale_in = |room: f64, size: f64| {
             let fixed = rim + gap_share * (size - rim);
@@ -73,9 +66,12 @@ fn check_lengths(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<
 fn moved(design: &Design, by: Vector3) -> Design {
     let shift = |points: &mut [Point3]| points.iter_mut().for_each(|point| *point += by);
     let mut design = design.clone();
-    shift(&mut design.corners);
+    let open = design.sheet_state == Some(State::Open);
+    if !open {
+        shift(&mut design.corners);
+    }
     for piece in &mut design.pieces {
-        shift(&mut piece.closed);
+        shift(if open { &mut piece.open } else { &mut piece.closed });
     }
     for hinge in &mut design.hinges {
         hinge.point += by;

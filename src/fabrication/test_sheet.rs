@@ -107,6 +107,17 @@ impl TestSheet {
     }
 }
 
+/// The same pieces cut in the open state.
+pub fn cut_open(mut design: Design) -> Design {
+    design.sheet_state = Some(State::Open);
+    for hinge in &mut design.hinges {
+        hinge.point = design.pieces[hinge.pieces[0]].open[hinge.vertices[0]];
+        // In the plane both frames share the axis; closing turns the other way.
+        hinge.axis = -hinge.axis;
+    }
+    design
+}
+
 fn hinges(pieces: &[Piece], senses: &[f64], phi: f64) -> Vec<Hinge> {
     let mut hinges = Vec::new();
     for (j, piece) in pieces.iter().enumerate().filter(|&(j, _)| senses[j] > 0.0) {

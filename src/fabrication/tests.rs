@@ -4,20 +4,20 @@ use std::f64::consts::PI;
 
 use kurbo::Point;
 
-use super::cuts::{CutSet, bounding_box, cut_set};
+use super::closed_sheet::cuts::CutSet;
+use super::closed_sheet::cuts_of;
+use super::closed_sheet::ligament::measure_ligaments;
+use super::cuts::bounding_box;
 use super::error::FabricationError;
 use super::fabricate::{Fabrication, fabricate, ligament_lengths};
-use super::frame::corner_frames;
 use super::hinge_table::Verdict;
 use super::layout::{CutKind, CutPath};
-use super::ligament::{MeasuredLigament, measure_ligaments};
+use super::ligament::MeasuredLigament;
 use super::outline::area;
-use super::slit::Plan;
 use super::test_sheet::{TestSheet, profile, sheets};
-use super::topology::topology;
 use super::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
-use crate::kirigami::design::{Design, State};
+use crate::kirigami::design::Design;
 use crate::profile::Profile;
 
 /// Rounding of coordinates of some 100 mm through a few dozen operations.
@@ -34,10 +34,7 @@ fn refused(design: &Design, profile: &Profile, length: f64) -> FabricationError 
 
 /// The cuts where the design lies, before placing and ordering, and the ligaments measured on them.
 fn cuts(design: &Design, profile: &Profile, length: f64) -> (CutSet, Vec<MeasuredLigament>) {
-    let topology = topology(design).unwrap();
-    let frames = corner_frames(design, &topology).unwrap();
-    let lengths = vec![length; design.hinges.len()];
-    let set = cut_set(&Plan::new(&topology, &frames, &lengths, profile)).unwrap();
+    let (set, _) = cuts_of(design, profile, &vec![length; design.hinges.len()]).unwrap();
     let index = CutIndex::new(&set.paths);
     let ligaments = measure_ligaments(&design.hinges, &set, &index, profile.laser.kerf);
     (set, ligaments)
@@ -334,6 +331,22 @@ fn bent_sheets_with_steps_and_windows_are_made_too() {
 }
 
 #[test]
+fn kinked_borders_keep_the_ligaments_width() {
+    // The border turns at the hinge in (10, 0): the corner comes out of the sheet, or goes into it.
+    for degrees in [30.0_f64, 45.0, 60.0, -30.0] {
+        let slope = (0.5 * degrees).to_radians().tan();
+        let kink = |x: f64, y: f64| [x, y + slope * (x - 10.0).abs().min(10.0) * (1.0 - y / 10.0).max(0.0)];
+        let sheet = TestSheet::rectangle([4, 3], [10.0, 10.0], 0.0);
+        for length in [0.5, 1.1, 1.6] {
+            let (_, ligaments) = cuts(&moved(&sheet.design(0.25 * PI), kink), &profile(), length);
+            for ligament in &ligaments {
+                assert!((ligament.width - 0.5).abs() < 1e-3, "{degrees}: {ligament:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn inner_cuts_come_first_and_the_border_last() {
     for (sheet, phi) in sheets() {
         let paths = made(&sheet, phi).layout.paths;
@@ -417,8 +430,7 @@ fn bad_designs_are_refused_by_name() {
         change(&mut design);
         refused(&design, &profile(), 1.1).to_string()
     };
-    assert!(edit(|d| d.sheet_state = Some(State::Open)).contains("the sheet state is open"));
-    assert!(edit(|d| d.sheet_state = None).contains("not flat"));
+    assert!(edit(|d| d.sheet_state = None).contains("neither state of the design is flat"));
     assert!(edit(|d| d.hinges.truncate(16)).contains("carries 0 hinges"));
     assert!(edit(|d| d.hinges[1] = d.hinges[0].clone()).contains("hinges, but it needs exactly one"));
     assert!(edit(|d| d.hinges[4].pieces[1] = 99).contains("hinge 4: a piece or vertex index"));

@@ -3,8 +3,11 @@
 
 use std::collections::BTreeMap;
 
+use kurbo::Point;
+
 use super::error::FabricationError;
-use crate::kirigami::design::Design;
+use super::states::{corner_place, sheet_vertices};
+use crate::kirigami::design::{Design, State};
 
 /// A side of a piece: interior if a second piece lies to its right, else border.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,10 +84,14 @@ pub fn topology(design: &Design) -> Result<Topology, FabricationError> {
     Ok(Topology { edges, fans, loops })
 }
 
+/// The sheet is flat at z = 0; a micrometre is far below any laser's accuracy.
+const OFF_SHEET: f64 = 1e-3;
+
 fn check_numbers(design: &Design) -> Result<(), FabricationError> {
     for (corner, point) in design.corners.iter().enumerate() {
-        // The sheet is flat at z = 0; a micrometre is far below any laser's accuracy.
-        if !point.iter().all(|c| c.is_finite()) || point.z.abs() > 1e-3 {
+        // Of an open sheet they lie on the closed target.
+        let flat = design.sheet_state != Some(State::Open);
+        if !point.iter().all(|c| c.is_finite()) || (flat && point.z.abs() > OFF_SHEET) {
             let reason = format!("z is {} mm, but the sheet state must be finite and lie in z = 0", point.z);
             return Err(FabricationError::Corner { corner, x: point.x, y: point.y, reason });
         }
@@ -104,6 +111,9 @@ fn check_numbers(design: &Design) -> Result<(), FabricationError> {
         }
         if !piece.closed.iter().chain(&piece.open).all(|p| p.iter().all(|c| c.is_finite())) {
             return bad("a vertex is not finite".into());
+        }
+        if let Some(point) = sheet_vertices(design, piece).iter().find(|point| point.z.abs() > OFF_SHEET) {
+            return bad(format!("a vertex of its sheet state has z = {} mm instead of 0", point.z));
         }
     }
     Ok(())
@@ -207,13 +217,11 @@ fn fans(
         }
     }
     let fan_at = |(corner, uses): (usize, &Vec<(usize, usize)>)| {
-        fan(design, half_edges, edge_of, corner, uses).ok_or_else(|| FabricationError::Corner {
-            corner,
-            x: design.corners[corner].x,
-            y: design.corners[corner].y,
-            reason: "pieces touch here in one point only, which no ligament can hold: add or remove a piece \
-                     so that the sheet's border passes the corner once"
-                .into(),
+        fan(design, half_edges, edge_of, corner, uses).ok_or_else(|| {
+            let Point { x, y } = corner_place(design, corner);
+            let reason = "pieces touch here in one point only, which no ligament can hold: add or remove a piece \
+                          so that the sheet's border passes the corner once";
+            FabricationError::Corner { corner, x, y, reason: reason.into() }
         })
     };
     incident.iter().enumerate().map(fan_at).collect()

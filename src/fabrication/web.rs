@@ -4,7 +4,7 @@ use kurbo::Point;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, PointDistance, RTree};
 
-use super::cuts::{ARC_TOLERANCE, CutSet};
+use super::cuts::{ARC_TOLERANCE, Touch};
 use super::error::FabricationError;
 use super::layout::{CutKind, CutPath};
 
@@ -57,11 +57,17 @@ fn ends(segment: &Segment) -> [Point; 2] {
 ///
 /// # Errors
 /// Names the narrowest place.
-pub fn check_webs(set: &CutSet, index: &CutIndex, kerf: f64, min_web: f64) -> Result<(), FabricationError> {
+pub fn check_webs(
+    paths: &[CutPath],
+    on_purpose: &[Touch],
+    index: &CutIndex,
+    kerf: f64,
+    min_web: f64,
+) -> Result<(), FabricationError> {
     let needed = kerf + min_web;
     let mut worst: Option<(f64, Point, [usize; 2])> = None;
-    let mut touches = vec![Vec::new(); set.paths.len()];
-    for touch in &set.touches {
+    let mut touches = vec![Vec::new(); paths.len()];
+    for touch in on_purpose {
         touches[touch.paths[0]].push((touch.paths[1], touch.point));
         touches[touch.paths[1]].push((touch.paths[0], touch.point));
     }
@@ -85,14 +91,15 @@ pub fn check_webs(set: &CutSet, index: &CutIndex, kerf: f64, min_web: f64) -> Re
     // A micrometre: ligaments may be exactly as wide as the least web.
     match worst {
         Some((gap, at, pair)) if gap < needed - 1e-3 => {
-            let [first, second] = pair.map(|path| kind_name(set.paths[path].kind));
+            let [first, second] = pair.map(|path| kind_name(paths[path].kind));
             Err(FabricationError::Web { first, second, x: at.x, y: at.y, web: gap - kerf, limit: min_web })
         }
         _ => Ok(()),
     }
 }
 
-fn kind_name(kind: CutKind) -> &'static str {
+/// What a cut of a kind is called in messages.
+pub fn kind_name(kind: CutKind) -> &'static str {
     match kind {
         CutKind::Slit => "slit",
         CutKind::Relief => "relief",
@@ -102,7 +109,7 @@ fn kind_name(kind: CutKind) -> &'static str {
 }
 
 /// Distance between two segments and the point midway between their nearest points.
-fn segment_gap(a: [Point; 2], b: [Point; 2]) -> (f64, Point) {
+pub fn segment_gap(a: [Point; 2], b: [Point; 2]) -> (f64, Point) {
     if let Some(point) = crossing(a, b) {
         return (0.0, point);
     }

@@ -1,6 +1,6 @@
 //! `preview.svg`: one A3 landscape page that a person looks at before cutting.
 //!
-//! It shows the sheet as it will be cut, the open state in space, which side is up and what becomes of it, how the
+//! It shows the sheet as it will be cut, the other state in space, which side is up and what becomes of it, how the
 //! pieces turn at a hinge, and the key figures. Page coordinates are millimetres, y down. The page decides nothing:
 //! all numbers are those of the [`Fabrication`] and of the lines that the caller passes. The same input gives the
 //! same bytes.

@@ -170,7 +170,7 @@ pub fn check(design: &Design) -> Result<(), InvalidDesign> {
     for (corner, point) in design.corners.iter().enumerate() {
         let place = || format!("corner {corner}");
         check_point(&point.coords, place)?;
-        check_on_sheet(point, design.sheet_state.is_some(), place)?;
+        check_on_sheet(point, design.sheet_state == Some(State::Closed), place)?;
     }
     for (id, piece) in design.pieces.iter().enumerate() {
         check_piece(id, piece, design)?;

@@ -1,4 +1,4 @@
-//! One corner from the middle of the sheet, enlarged: as it is cut, and opened.
+//! One corner from the middle of the sheet, or of an open sheet one hinge, enlarged: as it is cut, and in the other state.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,10 @@ use super::{Scene, opened_corner};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::HingeRow;
 use crate::fabrication::layout::{CutKind, CutLayout, CutPath};
+use crate::fabrication::open_sheet::neck::neck_direction;
+use crate::fabrication::states::sheet_vertices;
 use crate::geometry::{Point3, centroid};
+use crate::kirigami::design::State;
 
 /// Half the window's side over the reach of the ligaments and their bars.
 const WINDOW: f64 = 1.3;
@@ -32,14 +35,19 @@ pub struct Corner<'a> {
     pub middle: Point,
     /// Its hinges, the upper one of the enlarged picture first.
     pub hinges: Vec<&'a HingeRow>,
-    /// Direction of the slit that passes, radians from the sheet's x, within a quarter turn.
+    /// Direction of the ligaments' length, radians from the sheet's x, within a quarter turn: on a closed sheet that of
+    /// the slit that passes.
     pub direction: f64,
 }
 
 impl<'a> Corner<'a> {
-    /// The corner with two hinges (else with any) that is nearest to the part's middle.
+    /// The corner with two hinges (else with any) that is nearest to the part's middle; of an open sheet one of its
+    /// hinges.
     pub fn nearest_to_middle(fabrication: &'a Fabrication) -> Option<Self> {
         let design = &fabrication.design;
+        if design.sheet_state == Some(State::Open) {
+            return Self::hinge_nearest_to_middle(fabrication);
+        }
         let mut hinges_of: BTreeMap<usize, Vec<&HingeRow>> = BTreeMap::new();
         for (hinge, row) in design.hinges.iter().zip(&fabrication.hinges) {
             let corner = design.pieces[hinge.pieces[0]].corners[hinge.vertices[0]];
@@ -58,6 +66,28 @@ impl<'a> Corner<'a> {
             |row: &HingeRow| (flat(&row.point) - place(id)).dot(Vec2::from_angle(direction).turn_90());
         hinges.sort_by(|a, b| across(b).total_cmp(&across(a)));
         Some(Corner { id, middle: place(id), hinges, direction })
+    }
+
+    fn hinge_nearest_to_middle(fabrication: &'a Fabrication) -> Option<Self> {
+        let design = &fabrication.design;
+        let corner = |id: usize| {
+            let hinge = &design.hinges[id];
+            design.pieces[hinge.pieces[0]].corners[hinge.vertices[0]]
+        };
+        let mut hinges_at = vec![0; design.corners.len()];
+        for id in 0..design.hinges.len() {
+            hinges_at[corner(id)] += 1;
+        }
+        let part = bounds(fabrication.hinges.iter().map(|row| flat(&row.point))).center();
+        let rank = |row: &HingeRow| (hinges_at[corner(row.id)] < 2, flat(&row.point).distance_squared(part));
+        let row = fabrication.hinges.iter().min_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        })?;
+        let along = neck_direction(design, row.id)?;
+        let along = if along.x > 0.0 || (along.x == 0.0 && along.y > 0.0) { along } else { -along };
+        let middle = flat(&row.point);
+        Some(Corner { id: corner(row.id), middle, hinges: vec![row], direction: along.atan2() })
     }
 }
 
@@ -88,13 +118,18 @@ pub fn panel(scene: &Scene, area: Rect) -> Group {
     let turned = corner.direction.to_degrees().round();
     let place =
         if turned == 0.0 { String::new() } else { format!(", turned by {}\u{b0}", number(-turned, 0)) };
+    let turned_caption = if scene.opening.closes {
+        "Closed, from above: pieces turn in their"
+    } else {
+        "Opened, from above: pieces turn in their"
+    };
     let line = |x: f64, i: f64, content: &str| text(Point::new(x, closed.y1 + 4.0 * i), 3.2, content);
     group
         .add(enlarged(scene, corner, closed))
         .add(opened_corner::picture(scene, corner, opened))
         .add(line(closed.x0, 1.0, &format!("As cut: square A of picture 1{place}.")))
         .add(line(closed.x0, 2.0, "Green: ligaments, W x L. White: burned."))
-        .add(line(opened.x0, 1.0, "Opened, from above: pieces turn in their"))
+        .add(line(opened.x0, 1.0, turned_caption))
         .add(line(opened.x0, 2.0, "plane, ligaments bend sideways, nothing folds."))
 }
 
@@ -120,7 +155,12 @@ fn enlarged(scene: &Scene, corner: &Corner, window: Rect) -> Group {
         .add(turn_arrows(scene, corner, map, window))
         .add(dots(corner.hinges.iter().map(|row| map * flat(&row.point)), 0.9, INK));
     let frame = rectangle(window, "none").set("stroke", "#999999").set("stroke-width", "0.25");
-    Group::new().add(clip).add(drawing).add(frame).add(dimensions(corner, layout, map, window))
+    Group::new()
+        .add(clip)
+        .add(drawing)
+        .add(frame)
+        .add(dimensions(corner, layout, map, window))
+        .add(if scene.opening.closes { Group::new() } else { kerf_dimension(layout, map, window) })
 }
 
 /// The ligaments' rectangles, wide enough to show through wherever pieces and grooves leave them free.
@@ -183,21 +223,25 @@ fn grooves(paths: &[CutPath], kerf: f64, map: Affine, window: Rect) -> Group {
 
 fn turn_arrows(scene: &Scene, corner: &Corner, map: Affine, window: Rect) -> Group {
     let mut group = Group::new();
-    for piece in pieces_at(scene, corner) {
-        let middle = map * flat(&centroid(&scene.fabrication.design.pieces[piece].closed));
+    let design = &scene.fabrication.design;
+    let closes = scene.opening.closes;
+    let joined = |piece: usize| corner.hinges.iter().any(|row| row.pieces.contains(&piece));
+    for piece in pieces_at(scene, corner).into_iter().filter(|&piece| !closes || joined(piece)) {
+        let middle = map * flat(&centroid(sheet_vertices(design, &design.pieces[piece])));
         let away = middle - window.center();
         let reach = 0.36 * window.width();
-        let at = window.center() + reach * Vec2::new(away.x.signum(), away.y.signum());
+        // Closed pieces fill the window's corners, open ones its sides.
+        let towards = if closes { away.normalize() } else { Vec2::new(away.x.signum(), away.y.signum()) };
+        let at = window.center() + reach * towards;
         group = group.add(turn_arrow(at, 4.5, scene.opening.senses[piece], 0.7));
     }
     group
 }
 
-/// Width at the upper ligament, length at the lower one, kerf at the slit that passes.
+/// Width at the upper ligament, length at the lower one.
 fn dimensions(corner: &Corner, layout: &CutLayout, map: Affine, window: Rect) -> Group {
-    let (paths, kerf) = (&layout.paths, layout.kerf);
+    let kerf = layout.kerf;
     let scale = scale_of(map);
-    let millimetres = |name: &str, value: f64| format!("{name} {} mm", number(value, 3));
     let mut group = Group::new();
     for row in &corner.hinges {
         let at = map * flat(&row.point) + Vec2::new(2.0, 1.2);
@@ -235,16 +279,22 @@ fn dimensions(corner: &Corner, layout: &CutLayout, map: Affine, window: Rect) ->
             "middle",
         ));
     }
+    group
+}
+
+/// The kerf at the slit that passes.
+fn kerf_dimension(layout: &CutLayout, map: Affine, window: Rect) -> Group {
+    let kerf = layout.kerf;
     let x = window.x0 + 0.08 * window.width();
-    let at = Point::new(x, slit_height(paths, map, x, window.center().y));
-    let half = Vec2::new(0.0, 0.5 * kerf * scale);
+    let at = Point::new(x, slit_height(&layout.paths, map, x, window.center().y));
+    let half = Vec2::new(0.0, 0.5 * kerf * scale_of(map));
     let label = Point::new(window.x0 + 1.0, at.y - half.y - 6.6);
-    group.add(dimension(at - half, at + half)).add(text_with_halo(
-        label,
-        3.2,
-        &millimetres("kerf", kerf),
-        "start",
-    ))
+    let name = text_with_halo(label, 3.2, &millimetres("kerf", kerf), "start");
+    Group::new().add(dimension(at - half, at + half)).add(name)
+}
+
+fn millimetres(name: &str, value: f64) -> String {
+    format!("{name} {} mm", number(value, 3))
 }
 
 /// Where a cut crosses the page's vertical at `x`, as near as possible to `y`; `y` if none does.

@@ -1,4 +1,4 @@
-//! The enlarged corner after opening: its pieces around the hole, with the hinges' turning angles.
+//! The enlarged corner in the other state: its pieces, with the hinges' turning angles.
 
 use kurbo::{Point, Rect, Vec2};
 use svg::node::element::Group;
@@ -9,13 +9,14 @@ use super::page::{
     self, INK, arrow_head, bounds, colour, dots, fit, fixed, push_polyline, simplified, stroke,
     text_with_halo, turn_arrow,
 };
+use crate::fabrication::states::other_vertices;
 use crate::geometry::{Point3, Vector3, centroid};
 use crate::kirigami::design::Piece;
 
 /// Vertices that change a drawn outline by less are left out, page millimetres.
 const TOLERANCE: f64 = 0.02;
 
-/// The pieces around the corner in the open state, seen along their mean normal.
+/// The pieces around the corner in the other state, seen along their mean normal.
 pub fn picture(scene: &Scene, corner: &Corner, window: Rect) -> Group {
     let pieces = pieces_at(scene, corner);
     let motions = &scene.opening.motions;
@@ -39,7 +40,8 @@ pub fn picture(scene: &Scene, corner: &Corner, window: Rect) -> Group {
         let contour: Vec<Point> = contour.iter().map(|&p| map * p).collect();
         let mut data = String::new();
         push_polyline(&mut data, simplified(&contour, TOLERANCE), true, 2);
-        let middle = map * project(&centroid(&scene.fabrication.design.pieces[piece].open));
+        let design = &scene.fabrication.design;
+        let middle = map * project(&centroid(other_vertices(design, &design.pieces[piece])));
         group = group
             .add(page::area(data, &colour(sense.tone())).set("stroke", "#555555").set("stroke-width", "0.2"))
             .add(turn_arrow(middle, 3.6, sense, 0.6));
@@ -52,11 +54,18 @@ fn hinges(scene: &Scene, corner: &Corner, pieces: &[usize], place: impl Fn(&Poin
     let design = &scene.fabrication.design;
     let mut group = Group::new();
     let inside = design.hinges.iter().filter(|hinge| hinge.pieces.iter().all(|piece| pieces.contains(piece)));
-    group = group.add(dots(inside.map(|h| place(&design.pieces[h.pieces[0]].open[h.vertices[0]])), 0.7, INK));
+    let vertex = |piece: usize, vertex: usize| &other_vertices(design, &design.pieces[piece])[vertex];
+    group = group.add(dots(inside.map(|h| place(vertex(h.pieces[0], h.vertices[0]))), 0.7, INK));
     for row in &corner.hinges {
         let hinge = &design.hinges[row.id];
         let [j, k] = hinge.pieces.map(|piece| &design.pieces[piece]);
-        let at = place(&j.open[hinge.vertices[0]]);
+        let at = place(vertex(hinge.pieces[0], hinge.vertices[0]));
+        if scene.opening.closes {
+            // The sides lie together: nothing is left to draw the angle between.
+            let label = format!("#{}: {}\u{b0}", row.id, fixed(row.angle.to_degrees(), 1));
+            group = group.add(text_with_halo(at + Vec2::new(1.6, 1.2), 3.0, &label, "start"));
+            continue;
+        }
         let Some(far) = far_corner(j, k, corner.id) else { continue };
         let towards = [j, k].map(|piece| far_vertex(piece, far).map(|p| place(p) - at));
         if let [Some(a), Some(b)] = towards {

@@ -1,10 +1,11 @@
-//! How the sheet opens: the pieces' motions and turning senses, the frame that the open state is seen in, and what
-//! becomes of the side that is up.
+//! How the sheet turns into its other state: the pieces' motions and turning senses, the frame that the other state is
+//! seen in, and what becomes of the side that is up.
 
 use super::page::Sense;
+use crate::fabrication::states::{motions, other_vertices};
 use crate::geometry::rotation::RigidMotion;
 use crate::geometry::{Point3, Vector3, centroid};
-use crate::kirigami::design::Design;
+use crate::kirigami::design::{Design, State};
 
 /// What the upper side of the sheet becomes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,17 +20,19 @@ pub enum Bend {
     Mixed,
 }
 
-/// The motion from the sheet state to the open state.
+/// The motion from the sheet state to the other state.
 #[derive(Debug, Clone)]
 pub struct Opening {
     /// The rigid motion of each piece.
     pub motions: Vec<RigidMotion>,
     /// Which way each piece turns.
     pub senses: Vec<Sense>,
-    /// Where the sheet's x, y and upper side point to in the open state, on average: a right-handed frame.
+    /// Where the sheet's x, y and upper side point to in the other state, on average: a right-handed frame.
     pub frame: [Vector3; 3],
     /// What the upper side becomes.
     pub bend: Bend,
+    /// Whether the sheet is cut open, and closes.
+    pub closes: bool,
 }
 
 /// Mean curvature times extent below which a surface counts as flat: a rise of about half a hundredth of the span.
@@ -38,14 +41,25 @@ const FLAT: f64 = 0.05;
 const CLEAR: f64 = 0.75;
 
 impl Opening {
-    /// Of a design that is closed and flat in its sheet state.
+    /// Of a design that is flat in its sheet state.
     pub fn new(design: &Design) -> Self {
-        let motions: Vec<RigidMotion> =
-            design.pieces.iter().map(|piece| RigidMotion::fit(&piece.closed, &piece.open)).collect();
-        Opening { senses: senses(design), frame: frame(&motions), bend: bend(design, &motions), motions }
+        let motions = motions(design);
+        let closes = design.sheet_state == Some(State::Open);
+        Opening {
+            senses: senses(design),
+            frame: frame(&motions),
+            bend: bend(design, &motions),
+            motions,
+            closes,
+        }
     }
 
-    /// The upper side's unit normal of a piece in the open state.
+    /// What the sheet has done: "opened" or "closed".
+    pub fn done(&self) -> &'static str {
+        if self.closes { "closed" } else { "opened" }
+    }
+
+    /// The upper side's unit normal of a piece in the other state.
     pub fn normal(&self, piece: usize) -> Vector3 {
         self.motions[piece].rotation.column(2).into_owned()
     }
@@ -77,7 +91,8 @@ fn frame(motions: &[RigidMotion]) -> [Vector3; 3] {
 
 /// Across every hinge the normals of the two pieces open like a fan (convex) or close (concave).
 fn bend(design: &Design, motions: &[RigidMotion]) -> Bend {
-    let centres: Vec<Point3> = design.pieces.iter().map(|piece| centroid(&piece.open)).collect();
+    let centres: Vec<Point3> =
+        design.pieces.iter().map(|piece| centroid(other_vertices(design, piece))).collect();
     let (mut convex, mut concave) = (0.0, 0.0);
     for hinge in &design.hinges {
         let [j, k] = hinge.pieces;

@@ -160,7 +160,8 @@ pub fn cut_style(kind: CutKind) -> (&'static str, f64) {
     match kind {
         CutKind::Slit => (SLIT, 0.18),
         CutKind::Relief => (RELIEF, 0.18),
-        CutKind::Window | CutKind::Border => (BORDER, 0.4),
+        CutKind::Window => (BORDER, 0.2),
+        CutKind::Border => (BORDER, 0.4),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The open state in space: the pieces' true outlines, carried by their motions, shaded, painted back to front.
+//! The other state in space: the pieces' true outlines, carried by their motions, shaded, painted back to front.
 
 use kurbo::{Affine, Point, Rect, Vec2};
 use svg::node::element::Group;
@@ -7,6 +7,7 @@ use super::Scene;
 use super::page::{
     self, GREY, Sense, arrow, colour, fit, number, push_polyline, simplified, text, text_with_halo,
 };
+use crate::fabrication::states::other_vertices;
 use crate::geometry::{Point3, Vector3, centroid};
 
 /// Angle between the mean normal and the line of sight of the slanting view, degrees.
@@ -51,6 +52,11 @@ impl View {
 
 /// The panel with the slanting view and the view from the top.
 pub fn panel(scene: &Scene, area: Rect) -> Group {
+    let heading = if scene.opening.closes {
+        "2  Closed: the upper side seen from above"
+    } else {
+        "2  Opened: the upper side seen from above"
+    };
     let frame = scene.opening.frame;
     let faces = faces(scene);
     let split = area.x0 + 0.6 * area.width();
@@ -58,18 +64,18 @@ pub fn panel(scene: &Scene, area: Rect) -> Group {
     let slanting = Rect { x1: split - 1.0, ..views };
     let top = Rect { x0: split + 1.0, ..views };
     let caption = Point::new(area.x0 + 2.0, area.y1 - 2.0);
-    page::panel(area, "2  Opened: the upper side seen from above")
+    page::panel(area, heading)
         .add(picture(scene, &faces, &View::slanting(frame), slanting))
         .add(picture(scene, &faces, &View::top(frame), top))
-        .add(text(caption, 3.2, &format!("opened {}", extents(&faces, frame))))
+        .add(text(caption, 3.2, &format!("{} {}", scene.opening.done(), extents(&faces, frame))))
         .add(text(Point::new(split + 1.0, caption.y), 3.2, "straight from above"))
 }
 
-/// The outline of each piece in the open state.
+/// The outline of each piece in the other state.
 fn faces(scene: &Scene) -> Vec<Vec<Point3>> {
-    let pieces = &scene.fabrication.design.pieces;
+    let design = &scene.fabrication.design;
     if scene.simplified {
-        return pieces.iter().map(|piece| piece.open.clone()).collect();
+        return design.pieces.iter().map(|piece| other_vertices(design, piece).to_vec()).collect();
     }
     let carry = |(outline, motion): (&Vec<[f64; 2]>, &crate::geometry::rotation::RigidMotion)| {
         outline.iter().map(|&[x, y]| motion.apply(&Point3::new(x, y, 0.0))).collect()

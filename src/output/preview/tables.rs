@@ -91,7 +91,7 @@ pub fn legend(scene: &Scene, area: Rect) -> Group {
     let frame = rectangle(area, "none").set("stroke", "#bbbbbb").set("stroke-width", "0.25");
     Group::new()
         .add(frame)
-        .add(piece_legend(column(0.0)))
+        .add(piece_legend(scene, column(0.0)))
         .add(cut_legend(scene, column(1.0)))
         .add(hinge_legend(scene, column(2.0)))
 }
@@ -104,8 +104,9 @@ fn row(area: Rect, i: usize) -> Point {
     Point::new(area.x0, area.y0 + 4.6 + ROW * (i + 1) as f64)
 }
 
-fn piece_legend(area: Rect) -> Group {
-    let mut group = heading(area, "Pieces, as the sheet opens, turn");
+fn piece_legend(scene: &Scene, area: Rect) -> Group {
+    let does = if scene.opening.closes { "closes" } else { "opens" };
+    let mut group = heading(area, &format!("Pieces, as the sheet {does}, turn"));
     for (i, sense) in [Sense::CounterClockwise, Sense::Clockwise].into_iter().enumerate() {
         let at = row(area, i) + Vec2::new(0.0, 1.5 * i as f64);
         let swatch = Rect::new(at.x, at.y - 4.4, at.x + 9.0, at.y + 1.2);

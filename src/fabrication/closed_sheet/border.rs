@@ -7,8 +7,8 @@
 use kurbo::{Point, Vec2};
 
 use super::frame::CornerKind;
-use super::layout::PathVertex;
 use super::slit::Plan;
+use crate::fabrication::layout::PathVertex;
 
 /// Turns below this are joined by the averaged offset point, above it by an arc or by the lines' intersection.
 const SHARP_TURN: f64 = 20.0 * std::f64::consts::PI / 180.0;
@@ -77,14 +77,14 @@ fn corner_vertices(plan: &Plan<'_>, arrives: usize, leaves: usize) -> Vec<PathVe
         CornerKind::BorderHinge { hinged } => {
             let hinges = plan.hinges_of(&[hinged]);
             let foot = frame.middle - 0.5 * plan.gap * frame.normal;
-            let before = plan.stretch(corner, arrives, &hinges) * frame.tangent;
-            let after = plan.stretch(corner, leaves, &hinges) * frame.tangent;
+            let before = border_stretch(plan, corner, arrives, foot, &hinges) * frame.tangent;
+            let after = border_stretch(plan, corner, leaves, foot, &hinges) * frame.tangent;
             vec![straight(foot - before), straight(foot + after)]
         }
         CornerKind::Exit { .. } => exit_point(plan, corner).map(straight).into_iter().collect(),
         CornerKind::Concave { hinged, in_line_leaves, .. } => {
             let in_line = if in_line_leaves { leaves } else { arrives };
-            let reach = plan.stretch(corner, in_line, &plan.hinges_of(&[hinged]));
+            let reach = border_stretch(plan, corner, in_line, frame.middle, &plan.hinges_of(&[hinged]));
             let mut points: Vec<Point> = exit_point(plan, corner).into_iter().collect();
             // The stretch along the ligament; very short ligaments end before the border's corner.
             if points.iter().all(|point| reach > frame.middle.distance(*point) + plan.kerf) {
@@ -99,6 +99,34 @@ fn corner_vertices(plan: &Plan<'_>, arrives: usize, leaves: usize) -> Vec<PathVe
             free_corner(plan, frame.middle, offset_line(plan, arrives), offset_line(plan, leaves))
         }
     }
+}
+
+/// Half-length of the border's straight stretch along the ligaments of `hinges`, from its `foot` towards the far end of
+/// the border edge. Where the border turns into the sheet beyond it the stretch is longer than [`Plan::stretch`]: so
+/// long that the turned border keeps the ligament's width from the relief bar's end.
+fn border_stretch(plan: &Plan<'_>, corner: usize, edge: usize, foot: Point, hinges: &[usize]) -> f64 {
+    let frame = &plan.frames[corner];
+    let leaves = plan.topology.edges[edge].ends[0] == corner;
+    let longest = hinges.iter().map(|&hinge| plan.lengths[hinge]).fold(0.0, f64::max);
+    let bar = 0.5 * (longest - plan.kerf);
+    let far = plan.frames[plan.topology.edges[edge].far(corner)].middle;
+    let limit = 0.35 * frame.middle.distance(far);
+    let far = far + 0.5 * plan.gap * offset_line(plan, edge).outward();
+    // The tangent leaves the corner along the border, but at concave corners it runs into the sheet.
+    let forwards = match frame.kind {
+        CornerKind::Concave { .. } => -frame.tangent,
+        _ if leaves => frame.tangent,
+        _ => -frame.tangent,
+    };
+    let mut reach = plan.stretch(corner, edge, hinges);
+    // The turn grows a little as the stretch gets longer; where exactly the border meets the far corner shifts it by less
+    // than the fraction of a kerf that is added.
+    for _ in 0..8 {
+        let onwards = far - (foot + reach * forwards);
+        let turn = onwards.dot(frame.normal).atan2(onwards.dot(forwards)).max(0.0);
+        reach = reach.max(bar + plan.gap * (0.5 * turn).tan() + 0.2 * plan.kerf);
+    }
+    reach.min(limit)
 }
 
 fn free_corner(plan: &Plan<'_>, middle: Point, line_in: Line, line_out: Line) -> Vec<PathVertex> {

@@ -8,7 +8,7 @@ use kurbo::{Point, Vec2};
 
 use super::border::exit_point;
 use super::frame::{CornerFrame, CornerKind};
-use super::topology::Topology;
+use crate::fabrication::topology::Topology;
 use crate::profile::Profile;
 
 /// A sheet's combinatorics, frames and ligaments: what the cut builders work on.

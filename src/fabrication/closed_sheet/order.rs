@@ -6,7 +6,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::cuts::CutSet;
-use super::layout::{CutKind, CutPath, PathVertex};
+use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 
 /// A slit's end as stored in the search tree: position, slit, and which of its ends.
 type SlitEnd = GeomWithData<[f64; 2], (usize, usize)>;

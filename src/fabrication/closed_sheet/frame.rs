@@ -16,8 +16,8 @@
 
 use kurbo::{Point, Vec2};
 
-use super::error::FabricationError;
-use super::topology::{Fan, Topology};
+use crate::fabrication::error::FabricationError;
+use crate::fabrication::topology::{Fan, Topology};
 use crate::kirigami::design::Design;
 
 /// What a corner is for the cuts.

@@ -1,0 +1,45 @@
+//! Measures the ligaments on the paths that will be cut, not by the formulas that made them.
+
+use kurbo::Point;
+
+use super::cuts::{CutSet, HingeCuts};
+use crate::fabrication::cuts::ARC_TOLERANCE;
+use crate::fabrication::ligament::MeasuredLigament;
+use crate::fabrication::web::{CutIndex, nearest_on_segment};
+use crate::kirigami::design::Hinge;
+
+/// Measures the ligament of every hinge, in the hinges' order.
+///
+/// `hinges`: the design's hinges in sheet coordinates; `set`: the cuts made from it; `index` of the same paths.
+pub fn measure_ligaments(
+    hinges: &[Hinge],
+    set: &CutSet,
+    index: &CutIndex,
+    kerf: f64,
+) -> Vec<MeasuredLigament> {
+    let segments: Vec<_> = set.paths.iter().map(|path| path.segments(ARC_TOLERANCE)).collect();
+    let measure = |(hinge, cuts): (&Hinge, &HingeCuts)| {
+        let vertices = &set.paths[cuts.relief].vertices;
+        let bar = [vertices[0].point, vertices[vertices.len() - 1].point];
+        let foot = |point: Point| {
+            let feet = cuts.passing.iter().flat_map(|&path| &segments[path]);
+            let feet = feet.map(|&segment| nearest_on_segment(point, segment));
+            feet.min_by(|a, b| point.distance_squared(*a).total_cmp(&point.distance_squared(*b)))
+                .unwrap_or(point)
+        };
+        let middle = bar[0].midpoint(bar[1]);
+        let width = [bar[0], middle, bar[1]].map(|point| point.distance(foot(point)) - kerf);
+        let centre = middle.midpoint(foot(middle));
+        let mut except = vec![cuts.relief, cuts.slit];
+        except.extend(cuts.passing.iter().chain(&cuts.across));
+        MeasuredLigament {
+            width: width[0].min(width[1]).min(width[2]),
+            length: bar[0].distance(bar[1]) + kerf,
+            centre,
+            centre_offset: centre.distance(Point::new(hinge.point.x, hinge.point.y)),
+            nearest_cut: index.nearest(bar, &except) - kerf,
+            bar,
+        }
+    };
+    hinges.iter().zip(&set.hinges).map(measure).collect()
+}

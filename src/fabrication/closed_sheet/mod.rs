@@ -1,0 +1,59 @@
+//! Sheets that are flat in their closed state: slits along the closed edges, T relief bars at the hinges, a border.
+
+pub mod frame;
+
+pub mod slit;
+
+pub mod border;
+
+pub mod cuts;
+
+pub mod order;
+
+pub mod ligament;
+
+use self::cuts::{CutSet, cut_set};
+use self::frame::corner_frames;
+use self::ligament::measure_ligaments;
+use self::order::in_cutting_order;
+use self::slit::Plan;
+use super::collision::{check_corner_collisions, check_hinge_collisions};
+use super::error::FabricationError;
+use super::fabricate::LaidOut;
+use super::outline::piece_outlines;
+use super::topology::{Topology, topology};
+use super::web::{CutIndex, check_webs};
+use crate::kirigami::design::Design;
+use crate::profile::Profile;
+
+/// The cuts of a design where it lies, in no useful order, and its combinatorics.
+///
+/// # Errors
+/// A damaged design, corners that cannot be cut, sides too short for ligaments.
+pub fn cuts_of(
+    design: &Design,
+    profile: &Profile,
+    lengths: &[f64],
+) -> Result<(CutSet, Topology), FabricationError> {
+    let topology = topology(design)?;
+    let frames = corner_frames(design, &topology)?;
+    let set = cut_set(&Plan::new(&topology, &frames, lengths, profile))?;
+    Ok((set, topology))
+}
+
+/// Lays out a placed design and checks the result.
+///
+/// # Errors
+/// Those of [`cuts_of`]; cuts too close together; pieces that fall off, hang together or collide when they open.
+pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
+    let kerf = profile.laser.kerf;
+    let (set, topology) = cuts_of(design, profile, lengths)?;
+    let cuts = in_cutting_order(&set);
+    let index = CutIndex::new(&cuts.paths);
+    check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.laser.min_web)?;
+    let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);
+    let outlines = piece_outlines(design, &cuts.paths, &ligaments, kerf)?;
+    check_hinge_collisions(design, &outlines, &ligaments)?;
+    check_corner_collisions(design, &topology.fans, &outlines)?;
+    Ok(LaidOut { paths: cuts.paths, ligaments, outlines })
+}

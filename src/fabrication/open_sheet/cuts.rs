@@ -1,0 +1,136 @@
+//! All cuts of an open sheet, and their order.
+
+use kurbo::Point;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::neck::necks;
+use super::rim::rims;
+use super::trace::trace;
+use crate::fabrication::error::FabricationError;
+use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
+use crate::fabrication::topology::Topology;
+use crate::kirigami::design::Design;
+use crate::profile::Profile;
+
+/// The straight end of a window beside a ligament.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flat {
+    /// Index into [`WindowCuts::paths`].
+    pub path: usize,
+    /// The vertex of the path from which it leads to the next one.
+    pub vertex: usize,
+}
+
+/// The cuts: windows and border loops.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowCuts {
+    /// The paths, all closed, the material to the left.
+    pub paths: Vec<CutPath>,
+    /// The two flats beside each hinge's ligament, in the hinges' order.
+    pub flats: Vec<[Flat; 2]>,
+}
+
+impl WindowCuts {
+    /// Builds all cuts: windows in the corners' order, then the border loops.
+    ///
+    /// # Errors
+    /// See [`trace`]; several outer borders.
+    pub fn new(
+        design: &Design,
+        topology: &Topology,
+        profile: &Profile,
+        lengths: &[f64],
+    ) -> Result<Self, FabricationError> {
+        let necks = necks(design, lengths)?;
+        let mut flats: Vec<Vec<Flat>> = vec![Vec::new(); necks.len()];
+        let mut paths = Vec::new();
+        for rim in rims(design, topology, profile)? {
+            let traced = trace(&rim, design, &necks, profile)?;
+            for (hinge, vertex) in traced.flats {
+                flats[hinge].push(Flat { path: paths.len(), vertex });
+            }
+            paths.push(traced.path);
+        }
+        let count = paths.iter().filter(|path| path.kind == CutKind::Border).count();
+        if count != 1 {
+            return Err(FabricationError::SeveralParts { count });
+        }
+        let pair = |(hinge, flats): (usize, Vec<Flat>)| {
+            <[Flat; 2]>::try_from(flats).map_err(|flats| FabricationError::BadHinge {
+                hinge,
+                reason: format!("{} windows instead of 2 end at it", flats.len()),
+            })
+        };
+        let flats = flats.into_iter().enumerate().map(pair).collect::<Result<_, _>>()?;
+        Ok(WindowCuts { paths, flats })
+    }
+
+    /// The ends of a flat.
+    pub fn segment(&self, flat: Flat) -> [Point; 2] {
+        let vertices = &self.paths[flat.path].vertices;
+        [flat.vertex, flat.vertex + 1].map(|i| vertices[i % vertices.len()].point)
+    }
+
+    /// The same cuts in cutting order: windows by nearest neighbour, the next being the one that starts nearest to
+    /// where the last one did; the first is nearest to the origin. The border comes last. Every cut starts in the
+    /// middle of its longest straight, far from ligaments.
+    pub fn in_cutting_order(mut self) -> Self {
+        self.start_on_longest_straights();
+        let windows = (0..self.paths.len()).filter(|&i| self.paths[i].kind == CutKind::Window);
+        let start = |i: usize| self.paths[i].vertices[0].point;
+        let mut left: RTree<GeomWithData<[f64; 2], usize>> =
+            RTree::bulk_load(windows.map(|i| GeomWithData::new([start(i).x, start(i).y], i)).collect());
+        let mut order = Vec::with_capacity(self.paths.len());
+        let mut at = [0.0; 2];
+        while let Some(&nearest) = left.nearest_neighbor(&at) {
+            left.remove(&nearest);
+            at = *nearest.geom();
+            order.push(nearest.data);
+        }
+        order.extend((0..self.paths.len()).filter(|&i| self.paths[i].kind != CutKind::Window));
+        let mut new_index = vec![0; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            new_index[old] = new;
+        }
+        self.flats.iter_mut().flatten().for_each(|flat| flat.path = new_index[flat.path]);
+        self.paths = order.into_iter().map(|old| self.paths[old].clone()).collect();
+        self
+    }
+
+    fn start_on_longest_straights(&mut self) {
+        let mut taken: Vec<Vec<usize>> = vec![Vec::new(); self.paths.len()];
+        for flat in self.flats.iter().flatten() {
+            taken[flat.path].push(flat.vertex);
+        }
+        let starts: Vec<usize> = self
+            .paths
+            .iter_mut()
+            .zip(taken)
+            .map(|(path, flats)| {
+                let from = longest_straight(&path.vertices, &flats);
+                let next = path.vertices[(from + 1) % path.vertices.len()].point;
+                let point = path.vertices[from].point.midpoint(next);
+                path.vertices.rotate_left(from + 1);
+                path.vertices.insert(0, PathVertex { point, bulge: 0.0 });
+                from
+            })
+            .collect();
+        for flat in self.flats.iter_mut().flatten() {
+            let count = self.paths[flat.path].vertices.len() - 1;
+            flat.vertex = (flat.vertex + count - starts[flat.path] - 1) % count + 1;
+        }
+    }
+}
+
+/// The vertex from which the longest straight segment leaves that is no flat.
+fn longest_straight(vertices: &[PathVertex], flats: &[usize]) -> usize {
+    let mut best = (0, 0.0);
+    for (i, vertex) in vertices.iter().enumerate() {
+        let length = vertex.point.distance(vertices[(i + 1) % vertices.len()].point);
+        if vertex.bulge == 0.0 && length > best.1 && !flats.contains(&i) {
+            best = (i, length);
+        }
+    }
+    best.0
+}
