@@ -12,6 +12,7 @@ use thiserror::Error;
 use crate::kirigami::cover::{Boundary, PieceSize};
 use crate::kirigami::design::PatternKind;
 pub use crate::kirigami::pattern::Opening;
+pub use crate::kirigami::pattern_mesh::Reading;
 use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
@@ -105,8 +106,8 @@ impl Units {
 pub struct Pattern {
     /// The family.
     pub kind: PatternKind,
-    /// How many pieces, or how large.
-    pub pieces: PieceSize,
+    /// Which pieces there are.
+    pub grid: Grid,
     /// Open-state stretches m1 and m2 along the grid's first and second direction (the paper's principal stretches,
     /// Eq. (1)). They satisfy 1/m1 + 1/m2 = sqrt 2 exactly: what the file gives within 0.1 % is scaled onto it.
     pub stretches: [f64; 2],
@@ -116,6 +117,39 @@ pub struct Pattern {
     pub boundary: Option<Boundary>,
     /// Distance between the two hinge points of an inner corner, millimetres; 0 is the paper's model.
     pub gap: f64,
+}
+
+/// Where the pieces come from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Grid {
+    /// A regular grid that covers the flattened target.
+    Regular(PieceSize),
+    /// A grid along the principal directions of the map between the two states.
+    Aligned(PieceSize),
+    /// A mesh file, in the target's units and coordinates.
+    Mesh(PatternFile),
+}
+
+/// A mesh file whose faces give the combinatorics of the pattern.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PatternFile {
+    /// Absolute path.
+    pub path: PathBuf,
+    /// What its faces stand for.
+    pub reading: Reading,
+    /// The cuts that are made besides those that the file itself holds.
+    pub cuts: Cuts,
+}
+
+/// Cuts in the sheet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Cuts {
+    /// None.
+    None,
+    /// The shortest ones that let neighbouring pieces turn in opposite senses.
+    Automatic,
+    /// Those in a file; absolute path.
+    File(PathBuf),
 }
 
 /// How the sheet is made.

@@ -4,6 +4,8 @@ mod clock;
 
 mod error;
 
+mod meshed;
+
 mod predict;
 
 mod stage1;

@@ -8,7 +8,8 @@ use toml::Spanned;
 
 use super::solver::{RawSolver, solver};
 use super::{
-    Boundary, DxfVersion, Fabrication, Job, JobError, Opening, Pattern, PieceSize, Shape, Target, Units,
+    Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Opening, Pattern, PatternFile, PieceSize,
+    Reading, Shape, Target, Units,
 };
 use crate::kirigami::design::PatternKind;
 use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
@@ -33,9 +34,7 @@ const STRETCH_TOLERANCE: f64 = 1.0e-3;
 const THIS_VERSION: &str = "this version makes rotating rectangles, laser-cut";
 
 /// Keys that the job format foresees and this version does not make.
-const NOT_BUILT: [&str; 10] = [
-    "target.cuts",
-    "pattern.control_mesh",
+const NOT_BUILT: [&str; 8] = [
     "pattern.a",
     "pattern.b",
     "pattern.A",
@@ -67,6 +66,7 @@ struct RawTarget {
     units: Option<Spanned<String>>,
     size_mm: Option<Spanned<f64>>,
     closed_size_mm: Option<Spanned<f64>>,
+    cuts: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize)]
@@ -75,6 +75,9 @@ struct RawPattern {
     kind: Spanned<String>,
     pieces: Option<Pair<i64>>,
     piece_mm: Option<Spanned<f64>>,
+    control_mesh: Option<Spanned<String>>,
+    piece_mesh: Option<Spanned<String>>,
+    alignment: Option<Spanned<String>>,
     stretches: Option<Pair<f64>>,
     boundary: Option<Spanned<String>>,
     gap_mm: Option<Spanned<f64>>,
@@ -102,14 +105,14 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let raw: RawJob = source.parse()?;
     let target = target(&source, &raw.target, &folder)?;
     let kind = kind(&source, raw.pattern.get_ref())?;
-    let pieces = pieces(&source, &raw.pattern)?;
+    let grid = grid(&source, &raw, &folder)?;
     let stretches = stretches(&source, raw.pattern.get_ref().stretches.as_ref())?;
     let boundary = boundary(&source, raw.pattern.get_ref().boundary.as_ref())?;
     let opening = opening(&source, raw.pattern.get_ref(), &target)?;
     let gap = source.optional(raw.pattern.get_ref().gap_mm.as_ref(), &GAP)?;
     let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
-    let pattern = Pattern { kind, pieces, stretches, opening, boundary, gap };
+    let pattern = Pattern { kind, grid, stretches, opening, boundary, gap };
     let solver = solver(&source, &raw.solver, opening)?;
     Ok(Job { folder, target, pattern, fabrication, solver })
 }
@@ -197,6 +200,49 @@ fn opening(source: &TomlSource, raw: &RawPattern, target: &Target) -> Result<Ope
         return Err(source.error(stretches.span(), "stretches do not go with opening = \"variable\"", help));
     }
     Ok(opening)
+}
+
+/// Where the pieces come from: counts, a size, or a mesh file.
+fn grid(source: &TomlSource, raw: &RawJob, folder: &Path) -> Result<Grid, TomlError> {
+    let pattern = raw.pattern.get_ref();
+    let control = Reading::ControlMesh { pieces_at: None };
+    let (file, reading) = match (&pattern.control_mesh, &pattern.piece_mesh) {
+        (Some(_), Some(second)) => {
+            let help =
+                "control_mesh has a face for every hinge, piece_mesh one for every piece: give one of them";
+            return Err(source.error(second.span(), "pattern has both control_mesh and piece_mesh", help));
+        }
+        (Some(file), None) => (file, control),
+        (None, Some(file)) => (file, Reading::Pieces),
+        (None, None) => {
+            if let Some(cuts) = &raw.target.cuts {
+                let help = "cuts run between the pieces of a mesh of your own: add [pattern] control_mesh or piece_mesh";
+                return Err(source.error(cuts.span(), "cuts need control_mesh or piece_mesh", help));
+            }
+            let size = pieces(source, &raw.pattern)?;
+            let aligned =
+                choice(source, pattern.alignment.as_ref(), &[("grid", false), ("principal", true)])?;
+            return Ok(if aligned == Some(true) { Grid::Aligned(size) } else { Grid::Regular(size) });
+        }
+    };
+    let given = |span: Option<std::ops::Range<usize>>, key: &'static str| span.map(|span| (span, key));
+    let clash = [
+        given(pattern.pieces.as_ref().map(Spanned::span), "pieces"),
+        given(pattern.piece_mm.as_ref().map(Spanned::span), "piece_mm"),
+        given(pattern.alignment.as_ref().map(Spanned::span), "alignment"),
+        given(pattern.boundary.as_ref().map(Spanned::span), "boundary"),
+    ];
+    if let Some((span, key)) = clash.into_iter().flatten().next() {
+        let help =
+            format!("the mesh file says which pieces there are and where the sheet ends; leave {key} out");
+        return Err(source.error(span, &format!("{key} does not go with a mesh of pieces"), help));
+    }
+    let cuts = match &raw.target.cuts {
+        None => Cuts::None,
+        Some(cuts) if cuts.get_ref() == "automatic" => Cuts::Automatic,
+        Some(cuts) => Cuts::File(mesh_path(source, cuts, folder)?),
+    };
+    Ok(Grid::Mesh(PatternFile { path: mesh_path(source, file, folder)?, reading, cuts }))
 }
 
 fn pieces(source: &TomlSource, raw: &Spanned<RawPattern>) -> Result<PieceSize, TomlError> {

@@ -77,7 +77,7 @@ fn a_job_that_says_everything() {
     assert_eq!(job.target.closed, Shape::Flat);
     assert_eq!((job.target.units.millimetres(), job.target.size), (10.0, Some(300.0)));
     assert_eq!(job.pattern.kind, PatternKind::RotatingRectangles);
-    assert_eq!(job.pattern.pieces, PieceSize::Counts([30, 20]));
+    assert_eq!(job.pattern.grid, Grid::Regular(PieceSize::Counts([30, 20])));
     assert_eq!(job.pattern.boundary, Some(Boundary::FixedCorners));
     assert_eq!(job.pattern.gap, 0.0);
     assert_eq!(job.fabrication.dxf, DxfVersion::R12);
@@ -196,6 +196,44 @@ fn a_variable_opening_has_its_own_weights_and_needs_an_open_target() {
 }
 
 #[test]
+fn pieces_come_from_a_grid_or_from_a_mesh_file() {
+    let folder = Folder::new("grids");
+    let aligned = with("opening", "alignment = \"principal\"");
+    assert_eq!(folder.read(&aligned).unwrap().pattern.grid, Grid::Aligned(PieceSize::Counts([30, 20])));
+    let mesh = with("pieces", "control_mesh = \"roof.obj\"").replace("boundary = \"fixed-corners\"", "");
+    let file = |reading, cuts| Grid::Mesh(PatternFile { path: folder.0.join("roof.obj"), reading, cuts });
+    let control = Reading::ControlMesh { pieces_at: None };
+    assert_eq!(folder.read(&mesh).unwrap().pattern.grid, file(control, Cuts::None));
+    let mesh = mesh.replace("control_mesh", "piece_mesh");
+    for (cuts, expected) in
+        [("automatic", Cuts::Automatic), ("roof.obj", Cuts::File(folder.0.join("roof.obj")))]
+    {
+        let cut = mesh.replace("[target]", &format!("[target]\ncuts = \"{cuts}\""));
+        assert_eq!(folder.read(&cut).unwrap().pattern.grid, file(Reading::Pieces, expected));
+    }
+    for (text, message) in [
+        (with("opening", "control_mesh = \"roof.obj\""), "pieces does not go with a mesh of pieces"),
+        (with("units", "cuts = \"automatic\""), "cuts need control_mesh or piece_mesh"),
+        (
+            format!("{}\n", mesh.replace("piece_mesh", "alignment = \"grid\"\npiece_mesh")),
+            "alignment does not go",
+        ),
+        (
+            mesh.replace("piece_mesh", "control_mesh = \"roof.obj\"\npiece_mesh"),
+            "both control_mesh and piece_mesh",
+        ),
+        (with("opening", "alignment = \"radial\""), "\"grid\", \"principal\""),
+        (
+            mesh.replace("piece_mesh = \"roof.obj\"", "piece_mesh = \"none.obj\""),
+            "not readable as a mesh file",
+        ),
+    ] {
+        let found = folder.diagnostic(&text);
+        assert!(found.message.contains(message), "{found}");
+    }
+}
+
+#[test]
 fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
     let lines = [
@@ -203,8 +241,6 @@ fn what_is_not_built_is_refused_in_words() {
         ("process", "process = \"milling\"", "fabrication.process"),
         ("kind", "phi_deg = 18", "pattern.phi_deg"),
         ("kind", "A = 1.0", "pattern.A"),
-        ("units", "cuts = \"cuts.obj\"", "target.cuts"),
-        ("opening", "control_mesh = \"quads.obj\"", "pattern.control_mesh"),
         ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),
         ("dxf", "copies = 2", "fabrication.copies"),
     ];

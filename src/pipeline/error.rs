@@ -11,9 +11,11 @@ use crate::geometry::{Point2, Point3};
 use crate::kirigami::cover::CoverError;
 use crate::kirigami::design::Piece;
 use crate::kirigami::feasibility::MOST_STRETCH_RATIO;
+use crate::kirigami::pattern_mesh::PatternMeshError;
 use crate::kirigami::quality::Shortfall;
 use crate::kirigami::validity::Invalid;
 use crate::memory;
+use crate::remesh::RemeshError;
 use crate::solver;
 
 /// Where the user finds out more about a target that asks for too much.
@@ -58,6 +60,26 @@ pub enum PipelineError {
         path.display(), at.x, at.y
     )]
     TooSmall { path: PathBuf, at: Point2, beyond: f64, sheet: f64, target: f64, factor: f64 },
+    /// The mesh of pieces, or its cuts.
+    #[error("{}: {source}", path.display())]
+    PatternMesh { path: PathBuf, source: Box<PatternMeshError> },
+    /// Unequal stretches without directions.
+    #[error(
+        "{}: around its irregular vertices the pieces' sides have no first and second direction that agree, so the two \
+         stretches must be equal: leave [pattern] stretches out",
+        path.display()
+    )]
+    NoDirections { path: PathBuf },
+    /// The aligned grid.
+    #[error("{}: {source}", path.display())]
+    Remesh { path: PathBuf, source: RemeshError },
+    /// No map between two meshes.
+    #[error(
+        "{}: alignment = \"principal\" needs a map between the two targets: give both meshes the same faces in the same \
+         order, or make one of the states flat",
+        path.display()
+    )]
+    NoMap { path: PathBuf },
     /// The optimisation did not reach the limits.
     #[error(
         "the pattern does not reach the target: {}; it is farthest off near ({:.2}, {:.2}, {:.2}) mm. {MAP_HINT}",
@@ -86,7 +108,20 @@ impl PipelineError {
     /// Whether the input is faulty (exit status 1), rather than sound but not makeable (2).
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::Read(_) | Self::Triangulate { .. } | Self::Journal(_) => true,
+            Self::Read(_)
+            | Self::Triangulate { .. }
+            | Self::Journal(_)
+            | Self::NoDirections { .. }
+            | Self::NoMap { .. } => true,
+            Self::PatternMesh { source, .. } => source.is_bad_input(),
+            Self::Remesh { source, .. } => !matches!(
+                source,
+                RemeshError::Singular { .. }
+                    | RemeshError::GridFolds { .. }
+                    | RemeshError::TooFew { .. }
+                    | RemeshError::Degenerate
+                    | RemeshError::PiecesNotADisk(_)
+            ),
             Self::Topology { source, .. } => !matches!(
                 source.defect,
                 Defect::Closed { .. }

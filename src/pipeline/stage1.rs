@@ -12,11 +12,12 @@
 //! | any, variable opening | mesh | the closed sheet | as it is, or lifted | lifted |
 
 use super::error::PipelineError;
+use super::meshed::{aligned, from_file};
 use super::surfaces::{LaidFlat, TargetMesh, Targets, first_axis};
 use crate::geometry::flatten::{Flattening, conformal_points};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point2, Vector2};
-use crate::job::{Job, Opening, Shape};
+use crate::job::{Grid, Job, Opening, Shape};
 use crate::kirigami::control_mesh::{Goal, Goals, Layout, Layouts, LinearMap, Target};
 use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis};
 use crate::kirigami::levels::{COARSEST, Level};
@@ -78,28 +79,33 @@ pub(super) struct Begun {
 /// Targets that cannot be laid flat or curve too much, too few or too many pieces, pieces too small for their hinges, a
 /// closed target that is too small.
 pub(super) fn begin(job: &Job, targets: Targets) -> Result<Begun, PipelineError> {
+    let size = match &job.pattern.grid {
+        Grid::Regular(size) => *size,
+        Grid::Aligned(size) => return aligned(job, *size, targets),
+        Grid::Mesh(file) => return from_file(job, file, targets),
+    };
     let correspond = targets.correspond;
     match (targets.closed, targets.open) {
-        (None, Some(open)) if job.pattern.opening == Opening::Variable => variable(job, open),
-        (None, Some(open)) => opening(job, open),
-        (Some(closed), None) => closing(job, closed),
-        (Some(closed), Some(open)) if correspond => map(job, closed, open),
-        (Some(closed), Some(open)) => between(job, closed, open),
+        (None, Some(open)) if job.pattern.opening == Opening::Variable => variable(job, size, open),
+        (None, Some(open)) => opening(job, size, open),
+        (Some(closed), None) => closing(job, size, closed),
+        (Some(closed), Some(open)) if correspond => map(job, size, closed, open),
+        (Some(closed), Some(open)) => between(job, size, closed, open),
         (None, None) => unreachable!("the job reader asks for a mesh"),
     }
 }
 
 /// A target as what a state is to become.
-fn surface(target: TargetMesh, outline: Outline) -> Aim {
+pub(super) fn surface(target: TargetMesh, outline: Outline) -> Aim {
     Aim::Surface(Target::new(target.mesh, &target.cycle), outline)
 }
 
 /// A flat closed sheet that opens to a surface.
-fn opening(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
+fn opening(job: &Job, size: PieceSize, open: TargetMesh) -> Result<Begun, PipelineError> {
     let flat = open.lay_flat()?;
     let first = first_axis(&open.mesh, &flat.points);
     let outline = open.outline(&flat.points);
-    let levels = grids(job, |size, gap| {
+    let levels = grids(job, size, |size, gap| {
         cover(&outline, &first, size, job.pattern.stretches, gap, job.pattern.boundary)
     })?;
     let lift = LinearMap::new(open.mesh.clone(), &flat.points);
@@ -108,7 +114,7 @@ fn opening(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
 }
 
 /// A closed sheet on a surface that opens flat, or to whatever its pieces make of it.
-fn closing(job: &Job, closed: TargetMesh) -> Result<Begun, PipelineError> {
+fn closing(job: &Job, size: PieceSize, closed: TargetMesh) -> Result<Begun, PipelineError> {
     let flat = closed.lay_flat()?;
     let first = first_axis(&closed.mesh, &flat.points);
     let axis = grid_axis(&closed.outline(&flat.points), &first);
@@ -126,7 +132,7 @@ fn closing(job: &Job, closed: TargetMesh) -> Result<Begun, PipelineError> {
         }
         Ok(by)
     };
-    let levels = grids(job, |size, gap| lay(size, gap, by(size, gap)?))?;
+    let levels = grids(job, size, |size, gap| lay(size, gap, by(size, gap)?))?;
     let finest = &levels[levels.len() - 1].cover.cell;
     let by = finest.closed.map(|side| finest.open / side);
     let points: Vec<Point2> = flat.points.iter().map(|p| stretched(p, &axis, by)).collect();
@@ -155,24 +161,16 @@ fn stretched(p: &Point2, axis: &Vector2, [along, across]: [f64; 2]) -> Point2 {
 }
 
 /// Two surfaces. The open one decides where the border lies; the closed sheet may cover a part of its target.
-fn between(job: &Job, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
+fn between(job: &Job, size: PieceSize, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
     let (flat, closed_flat) = (open.lay_flat()?, closed.lay_flat()?);
     let first = first_axis(&open.mesh, &flat.points);
     let outline = open.outline(&flat.points);
-    let levels = grids(job, |size, gap| {
+    let levels = grids(job, size, |size, gap| {
         cover(&outline, &first, size, job.pattern.stretches, gap, job.pattern.boundary)
     })?;
     let finest = &levels[levels.len() - 1].cover;
     let by = finest.cell.closed.map(|side| finest.cell.open / side);
-    let first_closed = first_axis(&closed.mesh, &closed_flat.points);
-    // Middle to middle, and first axis to first axis.
-    let (from, to) = (middle(&closed.mesh, &closed_flat.points), middle(&open.mesh, &flat.points));
-    let place = |p: &Point2| {
-        let along = (p - from).dot(&first_closed) * by[0];
-        let across = first_closed.perp(&(p - from)) * by[1];
-        to + first * along + Vector2::new(-first.y, first.x) * across
-    };
-    let placed: Vec<Point2> = closed_flat.points.iter().map(place).collect();
+    let placed = middle_to_middle(&closed, &closed_flat.points, &open.mesh, &flat.points, by);
     fits(&closed, &placed, finest, by)?;
     let layouts = Layouts {
         closed: Layout::Lifted(LinearMap::new(closed.mesh.clone(), &placed)),
@@ -181,6 +179,25 @@ fn between(job: &Job, closed: TargetMesh, open: TargetMesh) -> Result<Begun, Pip
     let ratio = flat.ratio.max(closed_flat.ratio);
     let aims = Aims { closed: surface(closed, Outline::Left), open: surface(open, Outline::Held) };
     Ok(Begun { ratio, ..begun(levels, layouts, aims, &flat) })
+}
+
+/// The closed target laid flat, stretched and put onto the open one laid flat: middle to middle, and the direction of x
+/// to that of x.
+pub(super) fn middle_to_middle(
+    closed: &TargetMesh,
+    closed_flat: &[Point2],
+    open: &TriMesh,
+    open_flat: &[Point2],
+    by: [f64; 2],
+) -> Vec<Point2> {
+    let (first_closed, first) = (first_axis(&closed.mesh, closed_flat), first_axis(open, open_flat));
+    let (from, to) = (middle(&closed.mesh, closed_flat), middle(open, open_flat));
+    let place = |p: &Point2| {
+        let along = (p - from).dot(&first_closed) * by[0];
+        let across = first_closed.perp(&(p - from)) * by[1];
+        to + first * along + Vector2::new(-first.y, first.x) * across
+    };
+    closed_flat.iter().map(place).collect()
 }
 
 /// The middle of the area of a mesh laid flat.
@@ -219,11 +236,12 @@ fn area(mesh: &TriMesh) -> f64 {
 }
 
 /// Two meshes whose vertices correspond: the user's map.
-fn map(job: &Job, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
+fn map(job: &Job, size: PieceSize, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
     let flat = closed.lay_flat()?;
     let first = first_axis(&closed.mesh, &flat.points);
     let outline = closed.outline(&flat.points);
-    let levels = grids(job, |size, gap| sheet_grid(job, &outline, &first, size, gap, area(&open.mesh)))?;
+    let levels =
+        grids(job, size, |size, gap| sheet_grid(job, &outline, &first, size, gap, area(&open.mesh)))?;
     let planar = closed.is_planar();
     let layouts = Layouts {
         closed: if planar {
@@ -239,7 +257,7 @@ fn map(job: &Job, closed: TargetMesh, open: TargetMesh) -> Result<Begun, Pipelin
 
 /// A flat closed sheet that opens by different amounts: its outline is the conformal flattening, in which every place
 /// is stretched alike in all directions, at the size at which no place needs more than the full opening.
-fn variable(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
+fn variable(job: &Job, size: PieceSize, open: TargetMesh) -> Result<Begun, PipelineError> {
     let scale = open.conformal_scale()?;
     let ratio = scale.ratio();
     let conformal = conformal_points(&open.mesh, &scale);
@@ -260,8 +278,8 @@ fn variable(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
         }
         lay(size, gap, room)
     };
-    let levels = grids(job, |size, gap| Ok(fitted(size, gap)?.0))?;
-    let (_, points) = fitted(job.pattern.pieces, job.pattern.gap)?;
+    let levels = grids(job, size, |size, gap| Ok(fitted(size, gap)?.0))?;
+    let (_, points) = fitted(size, job.pattern.gap)?;
     let lift = LinearMap::new(open.mesh.clone(), &points);
     let layouts = Layouts { closed: Layout::Scaled(1.0), open: Layout::Lifted(lift) };
     let aims = Aims { closed: Aim::Plane, open: surface(open, Outline::Held) };
@@ -270,7 +288,7 @@ fn variable(job: &Job, open: TargetMesh) -> Result<Begun, PipelineError> {
 
 /// The largest stretch asked for of squares that open by different amounts: a little less than sqrt 2, where they are
 /// fully open and a further turn closes them again.
-const MOST_OPENING: f64 = 0.985 * std::f64::consts::SQRT_2;
+pub(super) const MOST_OPENING: f64 = 0.985 * std::f64::consts::SQRT_2;
 
 /// A grid of squares over a closed sheet that opens to `open_area`.
 fn sheet_grid(
@@ -292,9 +310,10 @@ fn sheet_grid(
 /// Lays the grid that the job asks for, and coarser ones to begin with: the coarsest first.
 fn grids(
     job: &Job,
+    size: PieceSize,
     lay: impl Fn(PieceSize, f64) -> Result<Cover, CoverError>,
 ) -> Result<Vec<Level>, CoverError> {
-    let (mut size, mut gap) = (job.pattern.pieces, job.pattern.gap);
+    let (mut size, mut gap) = (size, job.pattern.gap);
     let mut levels = vec![Level { cover: lay(size, gap)?, gap }];
     while levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
         (size, gap) = (size.coarser(), 2.0 * gap);
@@ -306,7 +325,7 @@ fn grids(
     Ok(levels)
 }
 
-fn begun(levels: Vec<Level>, layouts: Layouts, aims: Aims, flat: &LaidFlat) -> Begun {
+pub(super) fn begun(levels: Vec<Level>, layouts: Layouts, aims: Aims, flat: &LaidFlat) -> Begun {
     Begun { levels, layouts, aims, ratio: flat.ratio, reports: flattening_reports(&flat.flattening) }
 }
 

@@ -22,6 +22,8 @@ pub(super) struct TargetMesh {
     pub face_of: Vec<usize>,
     /// The boundary loop, the surface on the left.
     pub cycle: Vec<usize>,
+    /// Millimetres per unit of the file.
+    pub scale: f64,
 }
 
 /// The meshes that a job names.
@@ -30,6 +32,13 @@ pub(super) struct Targets {
     pub open: Option<TargetMesh>,
     /// Whether both have the same faces, so that their vertices correspond.
     pub correspond: bool,
+}
+
+impl Targets {
+    /// The open target, else the closed one: the one that the job's size is meant for.
+    pub fn main(&self) -> &TargetMesh {
+        self.open.as_ref().or(self.closed.as_ref()).expect("the job reader asks for a mesh")
+    }
 }
 
 /// Reads the targets of a job, checks that they are disks, and scales them to millimetres.
@@ -57,7 +66,7 @@ pub(super) fn read_targets(target: &job::Target) -> Result<Targets, PipelineErro
             |vertex: &usize| surface.vertex_of.binary_search(vertex).expect("boundary vertices are used");
         let cycle = disk.boundary.iter().map(number).collect();
         let Surface { mesh, face_of, .. } = surface;
-        Ok::<_, PipelineError>(TargetMesh { path: path.to_owned(), mesh, face_of, cycle })
+        Ok::<_, PipelineError>(TargetMesh { path: path.to_owned(), mesh, face_of, cycle, scale })
     };
     Ok(Targets {
         closed: match closed {
