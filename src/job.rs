@@ -57,11 +57,7 @@ pub struct Target {
 impl Target {
     /// The mesh files, the one that [`Target::size`] is meant for first.
     pub fn meshes(&self) -> Vec<&Path> {
-        let path = |shape| match shape {
-            &Shape::Mesh(ref path) => Some(path.as_path()),
-            Shape::Flat | Shape::Free => None,
-        };
-        [&self.open, &self.closed].into_iter().filter_map(path).collect()
+        [&self.open, &self.closed].into_iter().filter_map(Shape::path).collect()
     }
 }
 
@@ -74,6 +70,16 @@ pub enum Shape {
     Free,
     /// The surface in a mesh file; absolute path.
     Mesh(PathBuf),
+}
+
+impl Shape {
+    /// The mesh file.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Mesh(path) => Some(path),
+            Self::Flat | Self::Free => None,
+        }
+    }
 }
 
 /// A unit of length of a mesh file.

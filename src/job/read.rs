@@ -235,7 +235,7 @@ fn grid(source: &TomlSource, raw: &RawJob, folder: &Path) -> Result<Grid, TomlEr
     if let Some((span, key)) = clash.into_iter().flatten().next() {
         let help =
             format!("the mesh file says which pieces there are and where the sheet ends; leave {key} out");
-        return Err(source.error(span, &format!("{key} does not go with a mesh of pieces"), help));
+        return Err(source.error(span, format!("{key} does not go with a mesh of pieces"), help));
     }
     let cuts = match &raw.target.cuts {
         None => Cuts::None,

@@ -87,7 +87,8 @@ pub(super) fn from_file(job: &Job, file: &PatternFile, targets: Targets) -> Resu
     // The border of the mesh, not of the target, is where the sheet ends: it may have been cut.
     let edge = || BoundaryCurve::new(&sheet.mesh, &sheet.cycle);
     let along = |target: TargetMesh| {
-        Aim::Surface(Target { surface: ClosestPoints::new(target.mesh), boundary: edge() }, Outline::Held)
+        let target = Target { surface: ClosestPoints::new(target.mesh), boundary: edge() };
+        Aim::Surface(Box::new(target), Outline::Held)
     };
     let unbound = if matches!(job.target.open, Shape::Free) { Aim::Free } else { Aim::Plane };
     let aims = match (targets.closed, targets.open) {

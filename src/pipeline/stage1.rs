@@ -28,7 +28,7 @@ pub(super) enum Aim {
     /// A flat sheet.
     Plane,
     /// A surface, border to boundary or only lying in it.
-    Surface(Target, Outline),
+    Surface(Box<Target>, Outline),
     /// Whatever its pieces make of it.
     Free,
 }
@@ -97,7 +97,7 @@ pub(super) fn begin(job: &Job, targets: Targets) -> Result<Begun, PipelineError>
 
 /// A target as what a state is to become.
 pub(super) fn surface(target: TargetMesh, outline: Outline) -> Aim {
-    Aim::Surface(Target::new(target.mesh, &target.cycle), outline)
+    Aim::Surface(Box::new(Target::new(target.mesh, &target.cycle)), outline)
 }
 
 /// A flat closed sheet that opens to a surface.
