@@ -18,7 +18,7 @@ use std::path::Path;
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::placement::place_on_sheet;
 use crate::geometry::Point3;
-use crate::job::{Job, Opening};
+use crate::job::{Cuts, Grid, Job, Opening};
 use crate::kirigami::control_mesh::Goals;
 use crate::kirigami::design::{Design, State};
 use crate::kirigami::hinges;
@@ -104,7 +104,7 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let (pattern, [reports2, reports3]) = optimise(&climb, clock)?;
     let Level { cover, gap } = levels.pop().expect("at least one level");
     let design = hinges::design(&cover.mesh, &pattern, gap, goals.sheet_state());
-    let quality = measure(&design, &cover.mesh, &goals, cover.cell.edge(), ratio);
+    let quality = measure(&design, &cover.mesh, &goals, cover.asked_edge, ratio);
     let shortfalls = quality.shortfalls(&limits(job));
     if !shortfalls.is_empty() {
         return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
@@ -189,6 +189,12 @@ pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
 /// Those of the job file and its meshes, to tell files of one design from others'.
 pub fn source_hashes(job: &Job, job_file: &Path) -> BTreeMap<String, String> {
     let files = std::iter::once(job_file).chain(job.target.meshes());
-    let named: Vec<(&str, &Path)> = ["job", "target", "closed-target"].into_iter().zip(files).collect();
+    let mut named: Vec<(&str, &Path)> = ["job", "target", "closed-target"].into_iter().zip(files).collect();
+    if let Grid::Mesh(file) = &job.pattern.grid {
+        named.push(("pieces", &file.path));
+        if let Cuts::File(cuts) = &file.cuts {
+            named.push(("cuts", cuts));
+        }
+    }
     fingerprints(&named)
 }

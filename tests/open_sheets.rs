@@ -302,7 +302,7 @@ fn check_reads_an_open_design_and_prints_its_hinges() {
         neither["hinges"][hinge]["point"] = json!([closed.x, closed.y, closed.z]);
     }
     let (code, text) = check(&neither);
-    assert!(code == Some(2) && text.contains("neither state of the design is flat"), "{text}");
+    assert!(code == Some(2) && text.contains("neither state is flat"), "{text}");
 }
 
 #[test]

@@ -84,6 +84,8 @@ pub struct Cover {
     pub centres: Vec<Point2>,
     /// Dimensions of a cell.
     pub cell: ModelCell,
+    /// Mean side of the closed pieces that is asked for, millimetres: of the cell where all pieces are cells.
+    pub asked_edge: f64,
     /// How the grid meets the outline.
     pub boundary: Boundary,
     /// The fixed corners, each with the index of its point of the outline; none where corners are free.
@@ -346,7 +348,7 @@ fn build(cells: &[[i32; 2]], at: impl Fn(f64, f64) -> Point2, cell: ModelCell, b
     let corners = positions.iter().map(|&[i, j]| at(f64::from(i), f64::from(j))).collect();
     let centres = cells.iter().map(|&[i, j]| at(f64::from(i) + 0.5, f64::from(j) + 0.5)).collect();
     let places = positions.iter().map(|place| place.map(f64::from)).collect();
-    Cover { mesh, places, corners, centres, cell, boundary, tips: Vec::new() }
+    Cover { mesh, places, corners, centres, cell, asked_edge: cell.edge(), boundary, tips: Vec::new() }
 }
 
 fn length(line: &[Point2]) -> f64 {

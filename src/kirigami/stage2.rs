@@ -245,7 +245,14 @@ fn faces(mesh: &PieceMesh, at: &Unknowns) -> Vec<(Diagonals, Diagonals)> {
             Diagonals::new(p, q, centre(edge.piece), edge.neighbour.map(centre))
         })
     };
-    mesh.edges.iter().map(face).map(|[closed, open]| (closed, open)).collect()
+    // Triangles along the border are halves of cells: their centres are not those of control faces.
+    let half = |&piece: &usize| {
+        let border = mesh.owned[piece].iter().any(|&e| mesh.edges[e].is_border());
+        mesh.pieces[piece].len() == 3 && border
+    };
+    let whole =
+        mesh.edges.iter().filter(|edge| ![Some(edge.piece), edge.neighbour].iter().flatten().any(half));
+    whole.map(face).map(|[closed, open]| (closed, open)).collect()
 }
 
 /// Second differences, Eq. (6), along the mesh polylines: through quad pieces from corner to corner and

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::error::PipelineError;
 use super::stage1::{Aim, Aims, Begun, MOST_OPENING, Outline, begun, middle_to_middle, surface};
-use super::surfaces::{TargetMesh, Targets};
+use super::surfaces::{TargetMesh, Targets, first_axis};
 use crate::geometry::boundary::BoundaryCurve;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::flatten::conformal_points;
@@ -16,6 +16,7 @@ use crate::job::{Cuts, Job, Opening, PatternFile, Shape};
 use crate::kirigami::control_mesh::{Layout, Layouts, LinearMap, Target};
 use crate::kirigami::corners::four_corners;
 use crate::kirigami::cover::{Boundary, Cover, ModelCell, PieceSize, grid_axis};
+use crate::kirigami::feasibility::opening_of;
 use crate::kirigami::levels::Level;
 use crate::kirigami::pattern_mesh::{
     CutRequest, PatternMesh, PatternMeshError, Reading, cut_paths, own_cut_paths, pattern_mesh,
@@ -49,35 +50,7 @@ pub(super) fn from_file(job: &Job, file: &PatternFile, targets: Targets) -> Resu
     if !pattern.directions_agree && (cell.closed[0] - cell.closed[1]).abs() > 1e-9 * cell.edge() {
         return Err(PipelineError::NoDirections { path: file.path.clone() });
     }
-    let planar = |points: &[Point2], factor: f64| -> Vec<Point3> {
-        points.iter().map(|p| Point3::new(p.x * factor, p.y * factor, 0.0)).collect()
-    };
-    let own = sheet.mesh.vertices.clone();
-    let (closed, open) = match (&targets.closed, &targets.open) {
-        (None, _) if job.pattern.opening == Opening::Variable => {
-            let scale = sheet.conformal_scale()?;
-            let most = scale.stretches(&sheet.mesh).iter().map(|s| s.principal[0]).fold(0.0, f64::max);
-            let room = 1.0 - gap / (2.0 * cell.edge());
-            (planar(&conformal_points(&sheet.mesh, &scale), most / (MOST_OPENING * room)), own)
-        }
-        (None, _) => (planar(&flat.points, cell.edge() / side), own),
-        (Some(_), None) if matches!(job.target.open, Shape::Free) => {
-            let larger = own.iter().map(|p| p * (cell.open / side)).collect();
-            (own, larger)
-        }
-        (Some(_), None) => (own, planar(&flat.points, cell.open / side)),
-        (Some(closed), Some(open)) if targets.correspond => {
-            let nearest = ClosestPoints::new(open.mesh.clone());
-            (own.iter().map(|p| carried(&nearest, &closed.mesh, p)).collect(), own)
-        }
-        (Some(closed), Some(_)) => {
-            let closed_flat = closed.lay_flat()?;
-            let by = cell.closed.map(|edge| cell.open / edge);
-            let placed = middle_to_middle(closed, &closed_flat.points, &sheet.mesh, &flat.points, by);
-            let map = LinearMap::new(closed.mesh.clone(), &placed);
-            (flat.points.iter().map(|p| map.apply(p)).collect(), own)
-        }
-    };
+    let (closed, open) = positions(job, &targets, &sheet, &flat.points, &cell, side)?;
     let lifted = |vertices: Vec<Point3>| {
         Layout::Lifted(LinearMap::new(TriMesh { vertices, faces: sheet.mesh.faces.clone() }, &flat.points))
     };
@@ -85,19 +58,65 @@ pub(super) fn from_file(job: &Job, file: &PatternFile, targets: Targets) -> Resu
     let cover = cover_of(&pattern, &flat.points, cell, Boundary::Glide);
     cover.check_gap(gap)?;
     // The border of the mesh, not of the target, is where the sheet ends: it may have been cut.
-    let edge = || BoundaryCurve::new(&sheet.mesh, &sheet.cycle);
+    let border = BoundaryCurve::new(&sheet.mesh, &sheet.cycle);
     let along = |target: TargetMesh| {
-        let target = Target { surface: ClosestPoints::new(target.mesh), boundary: edge() };
+        let target = Target { surface: ClosestPoints::new(target.mesh), boundary: border };
         Aim::Surface(Box::new(target), Outline::Held)
     };
+    let aims = aims(job, targets, along);
+    Ok(begun(vec![Level { cover, gap }], layouts, aims, &flat))
+}
+
+/// What both states are to become; `along` makes a goal of the target that the pieces lie on.
+fn aims(job: &Job, targets: Targets, along: impl FnOnce(TargetMesh) -> Aim) -> Aims {
     let unbound = if matches!(job.target.open, Shape::Free) { Aim::Free } else { Aim::Plane };
-    let aims = match (targets.closed, targets.open) {
+    match (targets.closed, targets.open) {
         (None, Some(open)) => Aims { closed: Aim::Plane, open: along(open) },
         (Some(closed), Some(open)) => Aims { closed: lying_in(closed), open: along(open) },
         (Some(closed), None) => Aims { closed: along(closed), open: unbound },
         (None, None) => unreachable!("the job reader asks for a mesh"),
+    }
+}
+
+/// Where the vertices of a sheet, that lies on the job's main target, begin in the closed and in the open state. `flat`
+/// is the sheet laid flat, `side` the mean side of its pieces there.
+fn positions(
+    job: &Job,
+    targets: &Targets,
+    sheet: &TargetMesh,
+    flat: &[Point2],
+    cell: &ModelCell,
+    side: f64,
+) -> Result<(Vec<Point3>, Vec<Point3>), PipelineError> {
+    let planar = |points: &[Point2], factor: f64| -> Vec<Point3> {
+        points.iter().map(|p| Point3::new(p.x * factor, p.y * factor, 0.0)).collect()
     };
-    Ok(begun(vec![Level { cover, gap }], layouts, aims, &flat))
+    let own = sheet.mesh.vertices.clone();
+    Ok(match (&targets.closed, &targets.open) {
+        (None, _) if job.pattern.opening == Opening::Variable => {
+            let scale = sheet.conformal_scale()?;
+            let most = scale.stretches(&sheet.mesh).iter().map(|s| s.principal[0]).fold(0.0, f64::max);
+            let room = 1.0 - job.pattern.gap / (2.0 * cell.edge());
+            (planar(&conformal_points(&sheet.mesh, &scale), most / (MOST_OPENING * room)), own)
+        }
+        (None, _) => (planar(flat, cell.edge() / side), own),
+        (Some(_), None) if matches!(job.target.open, Shape::Free) => {
+            let larger = own.iter().map(|p| p * (cell.open / side)).collect();
+            (own, larger)
+        }
+        (Some(_), None) => (own, planar(flat, cell.open / side)),
+        (Some(closed), Some(open)) if targets.correspond => {
+            let nearest = ClosestPoints::new(open.mesh.clone());
+            (own.iter().map(|p| carried(&nearest, &closed.mesh, p)).collect(), own)
+        }
+        (Some(closed), Some(_)) => {
+            let closed_flat = closed.lay_flat()?;
+            let by = cell.closed.map(|edge| cell.open / edge);
+            let placed = middle_to_middle(closed, &closed_flat.points, &sheet.mesh, flat, by);
+            let map = LinearMap::new(closed.mesh.clone(), &placed);
+            (flat.iter().map(|p| map.apply(p)).collect(), own)
+        }
+    })
 }
 
 /// A closed target next to an open one: a plane, or a surface that the sheet covers a part of.
@@ -138,16 +157,15 @@ fn read_pattern(file: &PatternFile, scale: f64) -> Result<PatternMesh, PipelineE
     })
 }
 
-/// Mean length of the sides of the pieces in the plane.
+/// Mean length in the plane of the edges between two pieces. Sides along the border of a control mesh are diagonals of
+/// its cells.
 fn mean_side(pattern: &PatternMesh, flat: &[Point2]) -> f64 {
     let corner = |c: usize| flat[pattern.flatten.corner_vertex[c]];
-    let (mut sum, mut count) = (0.0, 0.0);
-    for piece in &pattern.mesh.pieces {
-        for (i, &c) in piece.iter().enumerate() {
-            sum += (corner(piece[(i + 1) % piece.len()]) - corner(c)).norm();
-            count += 1.0;
-        }
-    }
+    let inner = pattern.mesh.edges.iter().filter(|edge| !edge.is_border());
+    let (sum, count) = inner.fold((0.0, 0.0), |(sum, count), edge| {
+        let [p, q] = edge.corners.map(corner);
+        (sum + (q - p).norm(), count + 1.0)
+    });
     sum / count
 }
 
@@ -156,7 +174,16 @@ fn cover_of(pattern: &PatternMesh, flat: &[Point2], cell: ModelCell, boundary: B
     let corners: Vec<Point2> = pattern.flatten.corner_vertex.iter().map(|&v| flat[v]).collect();
     let centres = pattern.flatten.centre_vertex.iter().map(|&v| flat[v]).collect();
     let places = corners.iter().map(|p| [p.x / cell.open, p.y / cell.open]).collect();
-    Cover { mesh: pattern.mesh.clone(), places, corners, centres, cell, boundary, tips: Vec::new() }
+    let mesh = pattern.mesh.clone();
+    // All sides count, those along the border too.
+    let sides = mesh
+        .pieces
+        .iter()
+        .flat_map(|piece| (0..piece.len()).map(|i| [piece[i], piece[(i + 1) % piece.len()]]));
+    let lengths: Vec<f64> = sides.map(|[p, q]| (corners[q] - corners[p]).norm()).collect();
+    let mean = lengths.iter().sum::<f64>() / lengths.len() as f64;
+    let asked_edge = cell.edge() * mean / mean_side(pattern, flat);
+    Cover { mesh, places, corners, centres, cell, asked_edge, boundary, tips: Vec::new() }
 }
 
 /// Begins with a grid along the principal directions of the map between the two states.
@@ -167,12 +194,7 @@ pub(super) fn aligned(job: &Job, size: PieceSize, targets: Targets) -> Result<Be
     let path = targets.main().path.clone();
     let gap = job.pattern.gap;
     let (closed, open, ratio) = states(job, &targets)?;
-    let four = {
-        let flat = targets.main().lay_flat()?;
-        let outline = targets.main().outline(&flat.points);
-        four_corners(&outline, &grid_axis(&outline, &crate::geometry::Vector2::x())).is_some()
-    };
-    let followed = four && job.pattern.boundary != Some(Boundary::Trimmed);
+    let followed = job.pattern.boundary != Some(Boundary::Trimmed) && has_four_corners(targets.main())?;
     let fault = |source| PipelineError::Remesh { path: path.clone(), source };
     let map = SurfaceMap::new(closed, open).map_err(fault)?;
     let open_side = match size {
@@ -180,7 +202,9 @@ pub(super) fn aligned(job: &Job, size: PieceSize, targets: Targets) -> Result<Be
         PieceSize::Edge(edge) => edge * (area(map.open()) / area(map.closed())).sqrt(),
     };
     let outline = if followed { remesh::Outline::Followed } else { remesh::Outline::Trimmed };
-    let options = remesh::Options { outline, ..remesh::Options::square(open_side) };
+    let shape = if job.pattern.opening == Opening::Variable { cell_shape(&map) } else { 1.0 };
+    let cell = [open_side / shape.sqrt(), open_side * shape.sqrt()];
+    let options = remesh::Options { cell, outline, ..remesh::Options::square(open_side) };
     let aligned = align(&map, &options).map_err(fault)?;
     let pattern = pattern_mesh(&aligned.mesh, Reading::Pieces, &[], CutRequest::AsGiven)
         .map_err(|source| PipelineError::PatternMesh { path: path.clone(), source: Box::new(source) })?;
@@ -202,14 +226,31 @@ pub(super) fn aligned(job: &Job, size: PieceSize, targets: Targets) -> Result<Be
         Layout::Lifted(LinearMap::new(TriMesh { vertices, faces }, &flat))
     };
     let layouts = Layouts { closed: lifted(closed_at), open: lifted(open_at) };
-    let unbound = if matches!(job.target.open, Shape::Free) { Aim::Free } else { Aim::Plane };
-    let aims = match (targets.closed, targets.open) {
-        (None, Some(open)) => Aims { closed: Aim::Plane, open: surface(open, Outline::Held) },
-        (Some(closed), Some(open)) => Aims { closed: lying_in(closed), open: surface(open, Outline::Held) },
-        (Some(closed), None) => Aims { closed: surface(closed, Outline::Held), open: unbound },
-        (None, None) => unreachable!("the job reader asks for a mesh"),
-    };
+    let aims = aims(job, targets, |target| surface(target, Outline::Held));
     Ok(Begun { levels: vec![Level { cover, gap }], layouts, aims, ratio, reports: Vec::new() })
+}
+
+/// Side across the larger stretch over the side along it, of the open cells of rectangles that give the map's stretches
+/// in the mean: with sides a and b = r a their open cells are m1 a by m2 r a (section 2.2 of the model). 1 where no
+/// rectangle does.
+fn cell_shape(map: &SurfaceMap) -> f64 {
+    let (mut sums, mut total) = ([0.0, 0.0], 0.0);
+    for (principal, face) in map.principal().iter().zip(&map.closed().faces) {
+        let [a, b, c] = face.map(|v| map.closed().vertices[v]);
+        let area = (b - a).cross(&(c - a)).norm();
+        sums = [0, 1].map(|i| sums[i] + area * principal.stretches[i].ln());
+        total += area;
+    }
+    let [m1, m2] = sums.map(|sum| (sum / total).exp());
+    opening_of([m1, m2]).map_or(1.0, |(_, r)| r * m2 / m1)
+}
+
+/// Whether the outline of a target has four corners.
+fn has_four_corners(target: &TargetMesh) -> Result<bool, PipelineError> {
+    let flat = target.lay_flat()?;
+    let outline = target.outline(&flat.points);
+    let first = first_axis(&target.mesh, &flat.points);
+    Ok(four_corners(&outline, &grid_axis(&outline, &first)).is_some())
 }
 
 /// The target in both states as Stage 1 has it, and the ratio of its conformal flattening.

@@ -303,6 +303,7 @@ fn sheet_grid(
     let side = cover.cell.open;
     let sheet = cover.mesh.pieces.len() as f64 * side * side;
     cover.cell = ModelCell { open: side * (open_area / sheet).sqrt(), closed: [side; 2] };
+    cover.asked_edge = side;
     cover.check_gap(gap)?;
     Ok(cover)
 }
