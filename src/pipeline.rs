@@ -119,12 +119,13 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     Ok(Designed { design, quality, stages, mesh: cover.mesh, aims })
 }
 
-/// What a design must keep. Where the opening varies the size of the pieces follows from the map, not from a wish.
+/// What a design must keep. Where the opening varies or the grid is aligned the size of the pieces follows from the map, not
+/// from a wish.
 fn limits(job: &Job) -> Limits {
     let limits = Limits::default();
-    match job.pattern.opening {
-        Opening::Full => limits,
-        Opening::Variable => Limits { edge_deviation: f64::INFINITY, ..limits },
+    match (job.pattern.opening, &job.pattern.grid) {
+        (Opening::Full, Grid::Regular(_) | Grid::Mesh(_)) => limits,
+        (Opening::Variable, _) | (_, Grid::Aligned(_)) => Limits { edge_deviation: f64::INFINITY, ..limits },
     }
 }
 
