@@ -15,8 +15,9 @@ mod surfaces;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
+use crate::fabrication::fabricate::ligament_lengths;
 use crate::fabrication::placement::place_on_sheet;
+use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
 use crate::job::{Cuts, Grid, Job, Opening};
 use crate::kirigami::control_mesh::Goals;
@@ -54,9 +55,9 @@ pub struct Designed {
 
 /// A finished job.
 pub struct Made {
-    /// The checked sheet.
-    pub fabrication: Fabrication,
-    /// Measures of the design as it will be cut.
+    /// The checked sheet, or the pieces where neither state is flat.
+    pub product: Product,
+    /// Measures of the design as it is made.
     pub quality: Quality,
     /// What the solver did.
     pub stages: Vec<Stage>,
@@ -68,15 +69,12 @@ pub struct Made {
 /// The first stage that fails; nothing has been written.
 pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
     let designed = design(job, clock)?;
-    let fabrication = clock.run("fabrication", |_| {
-        let lengths = ligament_lengths(&designed.design, &job.fabrication.profile)?;
-        fabricate(&designed.design, &job.fabrication.profile, &lengths)
-    })?;
+    let product = clock.run("fabrication", |_| produce(&designed.design, &job.fabrication.profile))?;
     clock.go_on(|| Some(reached("fabrication", &designed.design, clock)))?;
     let Quality { asked_edge, stretch_ratio, .. } = designed.quality;
     let goals = designed.aims.goals();
-    let quality = measure(&fabrication.design, &designed.mesh, &goals, asked_edge, stretch_ratio);
-    Ok(Made { fabrication, quality, stages: designed.stages })
+    let quality = measure(product.design(), &designed.mesh, &goals, asked_edge, stretch_ratio);
+    Ok(Made { product, quality, stages: designed.stages })
 }
 
 /// Reads the targets and runs Stages 1 to 3, then measures and validates the result.
@@ -159,12 +157,16 @@ fn farthest(design: &Design, goals: &Goals) -> Point3 {
     far.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(Point3::origin(), |(_, p)| p)
 }
 
-/// A design in the coordinates in which it will be cut, without the checks of its cuts.
+/// A design in the coordinates in which it will be cut, without the checks of its cuts. Where neither state is flat it
+/// stays where its targets are.
 ///
 /// # Errors
 /// Those of [`design()`], hinges without room for their ligaments, or a part larger than the stock.
 pub fn placed_design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let mut designed = design(job, clock)?;
+    if designed.design.sheet_state.is_none() {
+        return Ok(designed);
+    }
     let profile = &job.fabrication.profile;
     let lengths = ligament_lengths(&designed.design, profile)?;
     designed.design = place_on_sheet(&designed.design, profile, &lengths)?;

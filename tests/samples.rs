@@ -1,35 +1,73 @@
 //! The sample targets are what their generators make. `UPDATE_SAMPLES=1` writes them anew.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write;
 use std::path::Path;
 
-/// A dome over a square: z = height cos(pi x / 2) cos(pi y / 2) for x, y from -1 to 1, as quads, in millimetres.
-fn dome(span: f64, height: f64, cells: usize) -> String {
-    let mut text = format!("# a dome of {span} mm x {span} mm, {height} mm high; made by tests/samples.rs\n");
-    for j in 0..=cells {
-        for i in 0..=cells {
-            let at = |k: usize| 2.0 * k as f64 / cells as f64 - 1.0;
-            let (x, y) = (at(i), at(j));
-            let z = height * (FRAC_PI_2 * x).cos() * (FRAC_PI_2 * y).cos();
-            writeln!(text, "v {:.6} {:.6} {:.6}", 0.5 * span * x, 0.5 * span * y, z + 0.0).unwrap();
-        }
+/// A surface over u and v from -1 to 1, as quads, in millimetres.
+fn graph(title: &str, cells: [usize; 2], point: impl Fn(f64, f64) -> [f64; 3]) -> String {
+    let [nx, ny] = cells;
+    let mut text = format!("# {title}; made by tests/samples.rs\n");
+    let at = |k: usize, n: usize| 2.0 * k as f64 / n as f64 - 1.0;
+    for (j, i) in (0..=ny).flat_map(|j| (0..=nx).map(move |i| (j, i))) {
+        let [x, y, z] = point(at(i, nx), at(j, ny)).map(|c| (c * 1e6).round() / 1e6 + 0.0);
+        writeln!(text, "v {x:.6} {y:.6} {z:.6}").unwrap();
     }
-    for j in 0..cells {
-        for i in 0..cells {
-            let a = 1 + j * (cells + 1) + i;
-            writeln!(text, "f {} {} {} {}", a, a + 1, a + cells + 2, a + cells + 1).unwrap();
-        }
+    for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
+        let a = 1 + j * (nx + 1) + i;
+        writeln!(text, "f {} {} {} {}", a, a + 1, a + nx + 2, a + nx + 1).unwrap();
     }
     text
 }
 
+/// A round hill of height 1 and radius about 1.
+fn hill(x: f64, y: f64) -> f64 {
+    (-x * x - y * y).exp()
+}
+
+/// An undulating carpet without symmetry, in the manner of the roof over a courtyard.
+fn roof(u: f64, v: f64) -> [f64; 3] {
+    let z = 32.0 * hill((u - 0.35) / 0.53, (v - 0.2) / 0.53)
+        + 24.0 * hill((u + 0.5) / 0.45, (v + 0.35) / 0.45)
+        - 16.0 * hill((u + 0.05) / 0.35, (v + 0.1) / 0.35)
+        + 12.0 * u * v;
+    [150.0 * u + 6.0 * v * v, 120.0 * v - 5.0 * u * u * u, z]
+}
+
+/// Where the map's sample takes a point of its closed sheet: stretched more along than across, and vaulted.
+fn mapped(u: f64, v: f64) -> [f64; 3] {
+    let x = 138.0 * u + 10.0 * (PI * u).sin() / PI * (1.0 + 0.5 * v);
+    let y = 99.2 * v - 4.8 * (PI * v).sin() / PI + 4.0 * u * u;
+    [x, y, 22.0 * (1.0 - u * u) * (1.0 - 0.5 * v * v)]
+}
+
+/// Every sample's file and what belongs in it.
+fn samples() -> Vec<(&'static str, String)> {
+    let dome = |u: f64, v: f64| [150.0 * u, 150.0 * v, 90.0 * (FRAC_PI_2 * u).cos() * (FRAC_PI_2 * v).cos()];
+    let vault =
+        |u: f64, v: f64| [110.0 * u, 90.0 * v, 36.0 * (1.0 - u * u) * (1.0 - 0.35 * v) - 12.0 * v * v];
+    let paraboloid = |u: f64, v: f64| [127.0 * u, 102.0 * v, 45.0 - 27.0 * (u * u + v * v)];
+    let knoll =
+        |u: f64, v: f64| [130.0 * u, 130.0 * v, 10.0 * (1.0 + (PI * u).cos()) * (1.0 + (PI * v).cos())];
+    vec![
+        ("dome.obj", graph("a dome of 300 mm x 300 mm, 90 mm high", [40, 40], dome)),
+        ("closing.obj", graph("a vault of 220 mm x 180 mm", [36, 30], vault)),
+        ("roof-closed.obj", graph("a paraboloid of 254 mm x 204 mm", [32, 26], paraboloid)),
+        ("roof.obj", graph("an undulating roof of 300 mm x 240 mm", [40, 32], roof)),
+        ("variable.obj", graph("a knoll of 260 mm x 260 mm, 40 mm high", [40, 40], knoll)),
+        ("map-closed.obj", graph("a sheet of 200 mm x 160 mm", [36, 30], |u, v| [100.0 * u, 80.0 * v, 0.0])),
+        ("map.obj", graph("where the points of map-closed.obj go", [36, 30], mapped)),
+    ]
+}
+
 #[test]
-fn the_dome_is_what_its_generator_makes() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/dome.obj");
-    let made = dome(300.0, 90.0, 40);
-    if std::env::var_os("UPDATE_SAMPLES").is_some() {
-        std::fs::write(&file, &made).unwrap();
+fn samples_are_what_their_generators_make() {
+    for (name, made) in samples() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
+        if std::env::var_os("UPDATE_SAMPLES").is_some() {
+            std::fs::write(&file, &made).unwrap();
+        }
+        assert!(std::fs::read_to_string(&file).unwrap() == made, "samples/{name}: run with UPDATE_SAMPLES=1");
+        assert!(made.len() < 150_000, "samples/{name} has {} bytes", made.len());
     }
-    assert!(std::fs::read_to_string(&file).unwrap() == made, "samples/dome.obj: run with UPDATE_SAMPLES=1");
 }

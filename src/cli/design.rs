@@ -155,12 +155,21 @@ fn report(prediction: &Prediction, name: &str, reporting: &Reporting) -> Result<
     if found.verdict != Verdict::Beyond {
         return Ok(());
     }
-    let Feasibility { worst, worst_ratio, conformal_ratio, .. } = found;
+    let Feasibility { worst, worst_ratio, conformal_ratio, range: [low, high], .. } = found;
+    let at = format!(
+        "face {} near ({:.2}, {:.2}, {:.2}) mm",
+        prediction.worst_face, worst.at.x, worst.at.y, worst.at.z
+    );
+    if prediction.is_map {
+        return Err(Failure::NotMakeable(format!(
+            "{name}: out of reach: the map stretches lengths {low:.3} to {high:.3} times; turning pieces stretch by 1 at \
+             least and by less than 3, and by 1.41 in both directions at once at most; it is worst at {at}: change the \
+             size of one of the meshes, or move their vertices"
+        )));
+    }
     Err(Failure::NotMakeable(format!(
         "{name}: out of reach: some places are stretched {worst_ratio:.3} times as much as others ({conformal_ratio:.3} \
-         times without shear); it is worst at face {} near ({:.2}, {:.2}, {:.2}) mm: cut the target into parts that \
-         curve less",
-        prediction.worst_face, worst.at.x, worst.at.y, worst.at.z
+         times without shear); it is worst at {at}: cut the target into parts that curve less"
     )))
 }
 

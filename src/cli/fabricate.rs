@@ -7,11 +7,11 @@ use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
 use super::results::{Results, WriteError, write_timings};
 use super::{Failure, events, interrupt, print};
-use crate::fabrication::fabricate::Fabrication;
+use crate::fabrication::product::Product;
 use crate::kirigami::quality::{Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::dxf::DxfVersion;
-use crate::output::folder::{FILE_NAMES, OutputFolder};
+use crate::output::folder::{OutputFolder, SHEET_FILES};
 use crate::output::hinge_report;
 use crate::pipeline::{Clock, Progress, fingerprint};
 use crate::profile;
@@ -38,19 +38,19 @@ pub fn run(
         interrupt::flow()
     };
     let mut clock = Clock::new(&mut watch);
-    let fabrication = clock
-        .run("fabrication", |_| lay_out(&design, &profile))
+    let product = clock
+        .run("fabrication", |_| lay_out(&design, &profile).map(Product::Sheet))
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
-    refuse_failing(&fabrication.hinges, allow_failing)?;
+    refuse_failing(product.hinges(), allow_failing)?;
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
-    let origin = origin(&bytes, &file, &fabrication);
+    let origin = origin(&bytes, &file, &product);
     let quality = &origin.quality;
-    let figures = figures(&fabrication, quality);
+    let figures = figures(&product, quality);
     let results = Results {
         name: &origin.job,
         target: &origin.target,
         hashes: &origin.hashes,
-        fabrication: &fabrication,
+        product: &product,
         quality,
         stages: &origin.stages,
         profile: &profile,
@@ -70,52 +70,53 @@ pub fn run(
         .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&fabrication, quality, folder));
+        events::tell(&event(&product, quality, folder));
     } else if !reporting.quiet {
-        print(&summary(&origin.job, &fabrication, &figures, folder));
+        print(&summary(&origin.job, &product, &figures, folder));
     }
     Ok(())
 }
 
 /// What the design tells of itself, with the figures of the coordinates that are written and the design's own hash.
-fn origin(bytes: &[u8], file: &Path, fabrication: &Fabrication) -> Origin {
-    let mut origin = parse_report(bytes).unwrap_or_else(|| unknown_origin(file, fabrication));
-    origin.quality = measured_anew(&origin.quality, fabrication);
+fn origin(bytes: &[u8], file: &Path, product: &Product) -> Origin {
+    let mut origin = parse_report(bytes).unwrap_or_else(|| unknown_origin(file, product));
+    origin.quality = measured_anew(&origin.quality, product);
     origin.hashes.insert("design".to_owned(), fingerprint(bytes));
     origin
 }
 
 /// Of a design without a report of ours: its file's name, and its own measures.
-fn unknown_origin(file: &Path, fabrication: &Fabrication) -> Origin {
+fn unknown_origin(file: &Path, product: &Product) -> Origin {
     Origin {
         job: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         target: "unknown".to_owned(),
         hashes: BTreeMap::new(),
-        quality: measure_alone(&fabrication.design),
+        quality: measure_alone(product.design()),
         stages: Vec::new(),
     }
 }
 
 /// What compares with the target stays as it was reported; the rest is measured on the coordinates that are written.
-fn measured_anew(reported: &Quality, fabrication: &Fabrication) -> Quality {
-    let own = measure_alone(&fabrication.design);
+fn measured_anew(reported: &Quality, product: &Product) -> Quality {
+    let own = measure_alone(product.design());
     Quality {
         e_isom: own.e_isom,
         max_length_error: own.max_length_error,
         planarity: own.planarity,
         mean_edge: own.mean_edge,
+        closed_step_max: own.closed_step_max,
         ..reported.clone()
     }
 }
 
 /// Label and value, for the preview and the terminal.
-fn figures(fabrication: &Fabrication, quality: &Quality) -> Vec<(String, String)> {
-    let hinges = &fabrication.hinges;
+fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
+    let hinges = product.hinges();
     let angles = hinges.iter().map(|row| row.angle.to_degrees());
     let (least, most) = angles.fold((f64::INFINITY, 0.0_f64), |(l, m), a| (l.min(a), m.max(a)));
     let tilt = hinges.iter().map(|row| row.tilt.to_degrees()).fold(0.0, f64::max);
     let mut rows = vec![
-        ("pieces, hinges", format!("{}, {}", fabrication.design.pieces.len(), hinges.len())),
+        ("pieces, hinges", format!("{}, {}", product.design().pieces.len(), hinges.len())),
         ("mean edge", format!("{:.3} mm", quality.mean_edge)),
         ("length error", format!("{:.1e} relative", quality.max_length_error)),
         ("bending", format!("{:.1e} edges", quality.planarity)),
@@ -128,29 +129,29 @@ fn figures(fabrication: &Fabrication, quality: &Quality) -> Vec<(String, String)
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn event(fabrication: &Fabrication, quality: &Quality, folder: &Path) -> serde_json::Value {
-    let hinges = hinge_report::summary(&fabrication.hinges);
+fn event(product: &Product, quality: &Quality, folder: &Path) -> serde_json::Value {
+    let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
     serde_json::json!({
         "event": "result",
         "status": 0,
         "folder": folder,
-        "files": FILE_NAMES,
-        "pieces": fabrication.design.pieces.len(),
-        "hinges": fabrication.hinges.len(),
+        "files": SHEET_FILES,
+        "pieces": product.design().pieces.len(),
+        "hinges": product.hinges().len(),
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
         "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
         "figures": figures,
     })
 }
 
-fn summary(name: &str, fabrication: &Fabrication, figures: &[(String, String)], folder: &Path) -> String {
+fn summary(name: &str, product: &Product, figures: &[(String, String)], folder: &Path) -> String {
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let mut text = format!("{name}: laid out\n");
     for (label, value) in figures {
         text += &format!("  {label:<width$}  {value}\n");
     }
-    if let Some(summary) = hinge_report::summary(&fabrication.hinges) {
+    if let Some(summary) = hinge_report::summary(product.hinges()) {
         text += &format!("  {summary}\n");
     }
     text + &format!("Files in {}\n", folder.display())

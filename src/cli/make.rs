@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, WriteError, write_timings};
+use super::results::{Results, WriteError, file_names, no_cut_file, write_timings};
 use super::{Failure, Optimisation, events, interrupt, partial, print};
+use crate::fabrication::product::Product;
 use crate::job::{Job, read_job};
+use crate::kirigami::design::State;
+use crate::kirigami::quality::{Fit, Quality};
 use crate::memory;
-use crate::output::folder::{FILE_NAMES, OutputFolder};
+use crate::output::folder::OutputFolder;
 use crate::output::{design_json, hinge_report, partial_json};
 use crate::pipeline::{Clock, Made, Progress, make, source_hashes};
 
@@ -39,7 +42,7 @@ pub fn run(
     }
     clock.memory = if optimisation.ignore_memory { None } else { memory::free() };
     let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
-    refuse_failing(&made.fabrication.hinges, allow_failing)?;
+    refuse_failing(made.product.hinges(), allow_failing)?;
     let input = Input { job: &job, job_file, name: &name };
     clock
         .run("output", |_| -> Result<OutputFolder, WriteError> {
@@ -54,28 +57,38 @@ pub fn run(
         .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, &folder));
+        events::tell(&result_event(&made, &input, &folder));
     } else if !reporting.quiet {
-        print(&summary(&name, &made, &folder, unused_partial));
+        print(&summary(&made, &input, &folder, unused_partial));
     }
     Ok(())
 }
 
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(made: &Made, folder: &Path) -> serde_json::Value {
-    let hinges = hinge_report::summary(&made.fabrication.hinges);
+fn result_event(made: &Made, input: &Input, folder: &Path) -> serde_json::Value {
+    let product = &made.product;
+    let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
     serde_json::json!({
         "event": "result",
         "status": 0,
         "folder": folder,
-        "files": FILE_NAMES,
-        "pieces": made.fabrication.design.pieces.len(),
-        "hinges": made.fabrication.hinges.len(),
+        "files": file_names(product),
+        "pieces": product.design().pieces.len(),
+        "hinges": product.hinges().len(),
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
         "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
         "figures": figures,
+        "closed": design_json::fit_object(&made.quality, State::Closed),
+        "open": design_json::fit_object(&made.quality, State::Open),
+        "cut_file": matches!(product, Product::Sheet(_)),
+        "remark": remark(made, input),
     })
+}
+
+/// What is to be said of a result that has no cut file.
+fn remark(made: &Made, input: &Input) -> Option<String> {
+    matches!(made.product, Product::Assembly(_)).then(|| no_cut_file(&input.job.fabrication.profile.name))
 }
 
 /// What the results were made from.
@@ -99,7 +112,7 @@ fn write_results(input: &Input, made: &Made, out: &OutputFolder) -> Result<(), W
         name: input.name,
         target: &input.target_name(),
         hashes: &hashes,
-        fabrication: &made.fabrication,
+        product: &made.product,
         quality: &made.quality,
         stages: &made.stages,
         profile: &input.job.fabrication.profile,
@@ -112,51 +125,90 @@ fn write_results(input: &Input, made: &Made, out: &OutputFolder) -> Result<(), W
 /// The figures by which a person judges the result: label and value, short enough for one line of the
 /// preview.
 fn figures(made: &Made) -> Vec<(String, String)> {
-    let Made { fabrication, quality, .. } = made;
-    let hinges = &fabrication.hinges;
+    let Made { product, quality, .. } = made;
+    let hinges = product.hinges();
     let angles = hinges.iter().map(|row| row.angle.to_degrees());
     let (least, most) = angles.fold((f64::INFINITY, 0.0_f64), |(l, m), a| (l.min(a), m.max(a)));
     let tilt = hinges.iter().map(|row| row.tilt.to_degrees()).fold(0.0, f64::max);
-    let cell = std::f64::consts::SQRT_2 * quality.mean_edge;
-    let rows = [
-        ("pieces, hinges", format!("{}, {}", fabrication.design.pieces.len(), hinges.len())),
+    let mut rows = vec![
+        ("pieces, hinges", format!("{}, {}", product.design().pieces.len(), hinges.len())),
         ("mean edge", format!("{:.3} mm", quality.mean_edge)),
         ("asked edge", format!("{:.3} mm", quality.asked_edge)),
         ("length error", format!("{:.1e} relative", quality.max_length_error)),
         ("bending", format!("{:.1e} edges", quality.planarity)),
-        ("off the target", format!("{:.3} mm", quality.distance_max)),
-        ("off, of diagonal", format!("{:.1e}", quality.distance_max / quality.target_diagonal)),
-        (
-            "boundary gap",
-            format!("{:.2} mm ({:.2} pieces)", quality.boundary_max, quality.boundary_max / cell),
-        ),
-        ("piece centres off", format!("{:.3} mm", quality.sagitta_max)),
+    ];
+    rows.extend(fit_rows(quality));
+    if quality.closed_step_max > 0.0 {
+        rows.push(("step at closed hinges", format!("{:.3} mm", quality.closed_step_max)));
+    }
+    rows.extend([
         ("area expansion", format!("{:.3}", quality.area_expansion)),
         ("target's stretch", format!("{:.3}", quality.stretch_ratio)),
         ("hinge angles", format!("{least:.1} to {most:.1} deg")),
         ("largest tilt", format!("{tilt:.1} deg")),
-    ];
+    ]);
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn summary(name: &str, made: &Made, folder: &Path, unused_partial: bool) -> String {
+/// How the design fits its targets: one column, or where both states have a target one for each.
+fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
+    let cell = std::f64::consts::SQRT_2 * quality.mean_edge;
+    let both = |figure: &dyn Fn(&Fit) -> String| match quality.fits.as_slice() {
+        [(_, fit)] => figure(fit),
+        fits => fits
+            .iter()
+            .map(|(state, fit)| format!("{} {}", design_json::state_name(*state), figure(fit)))
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    let both_states = quality.fits.len() > 1;
+    let boundary = |fit: &Fit| match fit.held {
+        true if both_states => format!("{:.2} mm", fit.boundary_max),
+        true => format!("{:.2} mm ({:.2} pieces)", fit.boundary_max, fit.boundary_max / cell),
+        false => String::from("free"),
+    };
+    let mut rows = vec![
+        ("off the target", both(&|fit| format!("{:.3} mm", fit.distance_max))),
+        ("off, of diagonal", both(&|fit| format!("{:.1e}", fit.distance_max / fit.target_diagonal))),
+        ("boundary gap", both(&boundary)),
+        ("piece centres off", both(&|fit| format!("{:.3} mm", fit.sagitta_max))),
+    ];
+    if quality.fits.iter().any(|(_, fit)| !fit.held) {
+        rows.push(("area covered", both(&|fit| format!("{:.0} %", 100.0 * fit.covered))));
+    }
+    rows
+}
+
+fn summary(made: &Made, input: &Input, folder: &Path, unused_partial: bool) -> String {
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-    let warnings = hinge_report::summary(&made.fabrication.hinges).map_or(0, |summary| summary.warn);
+    let hinges = hinge_report::summary(made.product.hinges());
+    let warnings = hinges.as_ref().map_or(0, |summary| summary.warn);
     let remark = if warnings > 0 { format!(", with {warnings} hinges to look at") } else { String::new() };
-    let mut text = format!("{name}: made{remark}\n");
+    let mut text = format!("{}: made{remark}\n", input.name);
     for (label, value) in &figures {
         text += &format!("  {label:<width$}  {value}\n");
     }
-    if let Some(summary) = hinge_report::summary(&made.fabrication.hinges) {
+    if let Some(summary) = hinges {
         text += &format!("  {summary}\n");
     }
     if unused_partial {
         text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";
     }
     text += &format!("Files in {}:\n", folder.display());
-    text + "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n\
-            \x20 preview.svg                 look at this first\n\
-            \x20 hinges.csv, hinges.json     the hinge placement report\n\
-            \x20 design.json, timings.json   the design with its figures, and the times\n"
+    text += match &made.product {
+        Product::Sheet(_) => {
+            "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n"
+        }
+        Product::Assembly(_) => {
+            "  pieces-closed.stl, pieces-open.stl   solids of the pieces in both states\n"
+        }
+    };
+    text += "  preview.svg                 look at this first\n\
+             \x20 hinges.csv, hinges.json     the hinge placement report\n\
+             \x20 design.json, timings.json   the design with its figures, and the times\n";
+    if let Some(remark) = self::remark(made, input) {
+        text += &format!("{remark}\n");
+    }
+    text
 }

@@ -5,10 +5,14 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
 use crate::fabrication::fabricate::Fabrication;
+use crate::fabrication::product::{Assembly, Product};
+use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
-use crate::output::folder::{FolderError, OutputFolder};
+use crate::output::exchange::{solids, write_stl};
+use crate::output::folder::{ASSEMBLY_FILES, FolderError, OutputFolder, SHEET_FILES, SOLIDS};
+use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
 use crate::output::{hinge_report, svg};
 use crate::pipeline::Timings;
@@ -48,8 +52,8 @@ pub struct Results<'a> {
     pub target: &'a str,
     /// Hashes of input files by name.
     pub hashes: &'a BTreeMap<String, String>,
-    /// The checked sheet.
-    pub fabrication: &'a Fabrication,
+    /// The checked sheet, or the pieces where neither state is flat.
+    pub product: &'a Product,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
     /// What the solver did.
@@ -68,16 +72,28 @@ impl Results<'_> {
     /// # Errors
     /// What a writer refuses.
     pub fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
-        let Self { fabrication, profile, .. } = self;
-        let summary = hinge_report::summary(&fabrication.hinges);
+        let Self { product, profile, .. } = self;
+        let hinges = product.hinges();
+        let summary = hinge_report::summary(hinges);
         let design = DesignFile {
-            design: &fabrication.design,
+            design: product.design(),
             quality: self.quality,
             stages: self.stages,
             max_strain: summary.as_ref().map(|summary| summary.worst_strain.value),
             provenance: Provenance { job: self.name, target: self.target, hashes: self.hashes },
         };
         out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
+        out.write::<WriteError>("hinges.json", |file| Ok(hinge_report::write_json(hinges, profile, file)?))?;
+        out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
+        match product {
+            Product::Sheet(sheet) => self.write_sheet(sheet, out),
+            Product::Assembly(assembly) => self.write_assembly(assembly, out),
+        }
+    }
+
+    /// The cut files and the page that shows them.
+    fn write_sheet(&self, fabrication: &Fabrication, out: &OutputFolder) -> Result<(), WriteError> {
+        let profile = self.profile;
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
             format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
@@ -86,12 +102,6 @@ impl Results<'_> {
             Ok(dxf::write(&fabrication.layout, self.dxf, &comments, file)?)
         })?;
         out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&fabrication.layout, &comments, file)?))?;
-        out.write::<WriteError>("hinges.json", |file| {
-            Ok(hinge_report::write_json(&fabrication.hinges, profile, file)?)
-        })?;
-        out.write::<WriteError>("hinges.csv", |file| {
-            Ok(hinge_report::write_csv(&fabrication.hinges, file)?)
-        })?;
         let preview = Preview {
             fabrication,
             title: self.name,
@@ -101,6 +111,41 @@ impl Results<'_> {
         };
         out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
     }
+
+    /// The solids of the pieces in both states, and the page that shows them.
+    fn write_assembly(&self, assembly: &Assembly, out: &OutputFolder) -> Result<(), WriteError> {
+        for (name, state) in SOLIDS.into_iter().zip([State::Closed, State::Open]) {
+            let triangles = solids(&assembly.design, state, self.profile.sheet.thickness)
+                .map_err(|(piece, error)| WriteError(format!("piece {piece}: {error}")))?;
+            out.write::<WriteError>(name, |file| Ok(write_stl(&triangles, file)?))?;
+        }
+        let page = AssemblyPreview {
+            assembly,
+            title: self.name,
+            profile: &self.profile.name,
+            target: self.target,
+            figures: self.figures,
+            remark: &no_cut_file(&self.profile.name),
+        };
+        out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
+    }
+}
+
+/// The names of the files that are written.
+pub fn file_names(product: &Product) -> &'static [&'static str] {
+    match product {
+        Product::Sheet(_) => &SHEET_FILES,
+        Product::Assembly(_) => &ASSEMBLY_FILES,
+    }
+}
+
+/// What is said where a profile for a laser meets a design that no laser can cut from a sheet.
+pub fn no_cut_file(profile: &str) -> String {
+    format!(
+        "Neither state is flat, so there is no sheet to cut and no flat cut file, though the profile {profile} is for a \
+         laser: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be made \
+         one by one, and joined at their hinges. For a cut file give the job a flat closed or open target."
+    )
 }
 
 /// Writes `timings.json`.

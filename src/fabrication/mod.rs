@@ -32,6 +32,8 @@ pub mod notes;
 
 pub mod fabricate;
 
+pub mod product;
+
 pub mod error;
 
 #[cfg(test)]

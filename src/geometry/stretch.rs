@@ -53,11 +53,8 @@ pub struct Gradients {
 impl Gradients {
     /// Of one face of a mesh. Its frame begins along the face's first edge.
     pub fn new(mesh: &TriMesh, face: &[usize; 3]) -> Self {
-        let [a, b, c] = face.map(|v| mesh.vertices[v]);
-        let (ab, ac) = (b - a, c - a);
-        let length = ab.norm();
-        let along = ac.dot(&ab) / length;
-        let across = (ac - ab * (along / length)).norm();
+        let [_, b, c] = laid_out(mesh, face);
+        let (length, along, across) = (b.x, c.x, c.y);
         // Each gradient is perpendicular to the opposite edge and as long as the inverse height.
         let at_b = Complex::new(1.0 / length, -along / (length * across));
         let at_c = Complex::new(0.0, 1.0 / across);
@@ -74,6 +71,16 @@ impl Gradients {
         }
         map
     }
+}
+
+/// A face laid into the plane: its first corner at the origin, its second on the x axis.
+fn laid_out(mesh: &TriMesh, face: &[usize; 3]) -> [Point2; 3] {
+    let [a, b, c] = face.map(|v| mesh.vertices[v]);
+    let (ab, ac) = (b - a, c - a);
+    let length = ab.norm();
+    let along = ac.dot(&ab) / length;
+    let across = (ac - ab * (along / length)).norm();
+    [Point2::origin(), Point2::new(length, 0.0), Point2::new(along, across)]
 }
 
 /// How a triangle of the plane is stretched when it becomes its counterpart on the surface.
@@ -103,6 +110,25 @@ pub fn stretches(mesh: &TriMesh, flat: &[Point2]) -> Vec<Stretch> {
         Stretch { principal: [1.0 / second, 1.0 / first], direction, area: gradients.area }
     };
     mesh.faces.iter().map(stretch).collect()
+}
+
+/// Stretches of the map between two meshes with the same faces, one per face: from `start` to `end`.
+///
+/// Directions are in a frame of each start triangle that begins along its first edge. Triangles in space are not turned
+/// over, so nothing is negative.
+pub fn stretches_between(start: &TriMesh, end: &TriMesh) -> Vec<Stretch> {
+    let stretch = |face: &[usize; 3]| {
+        let gradients = Gradients::new(start, face);
+        let image = laid_out(end, face);
+        let map = gradients.map_to(image);
+        // Before the map the direction stretched most is at half the angle between the two parts.
+        let direction = (map.mirroring * map.turning.conj()).sqrt();
+        let norm = direction.norm();
+        let direction =
+            if norm > 0.0 { Vector2::new(direction.re, direction.im) / norm } else { Vector2::x() };
+        Stretch { principal: map.singular_values(), direction, area: 0.5 * image[1].x * image[2].y }
+    };
+    start.faces.iter().map(stretch).collect()
 }
 
 /// Largest over smallest stretch of a whole map; infinite where a triangle is turned over.
@@ -151,6 +177,17 @@ mod tests {
                 assert!((stretch.principal[0] - m1).abs() < 1e-12, "{stretch:?}");
                 assert!((stretch.principal[1] - m2).abs() < 1e-12, "{stretch:?}");
                 assert!(stretch.direction.perp(&Vector2::new(e, f)).abs() < 1e-12, "{stretch:?}");
+            }
+            // The same between two meshes, the first of which is turned in space.
+            let tilt = Rotation3::from_euler_angles(0.4, -0.8, 1.7);
+            let tilted = flat.iter().map(|p| tilt * Point3::new(p.x, p.y, 0.0)).collect();
+            let start = TriMesh { vertices: tilted, faces: mesh.faces.clone() };
+            for (face, stretch) in mesh.faces.iter().zip(stretches_between(&start, &mesh)) {
+                assert!((stretch.principal[0] - m1).abs() < 1e-11, "{stretch:?}");
+                assert!((stretch.principal[1] - m2).abs() < 1e-11, "{stretch:?}");
+                let side = (flat[face[1]] - flat[face[0]]).normalize();
+                let local = Vector2::new(side.x * e + side.y * f, side.x * f - side.y * e);
+                assert!(stretch.direction.perp(&local).abs() < 1e-11, "{stretch:?}");
             }
         }
     }

@@ -84,10 +84,36 @@ pub struct Feasibility {
     pub verdict: Verdict,
 }
 
-/// Predicts how well the pattern fits a flattening. `stretches` has one entry per face, at least one.
+/// Predicts how well the pattern fits a flattening, whose size is free. `stretches` has one entry per face, at least one.
 pub fn feasibility(mesh: &TriMesh, stretches: &[Stretch], conformal_ratio: f64) -> Feasibility {
     let ratio = worst_ratio(stretches);
-    let scale = best_scale(stretches);
+    let verdict = match () {
+        () if conformal_ratio.is_nan() || conformal_ratio > MOST_STRETCH_RATIO => Verdict::Beyond,
+        () if ratio.is_nan() || ratio > MOST_STRETCH_RATIO => Verdict::Beyond,
+        () if ratio <= EASY_RATIO && conformal_ratio <= EASY_CONFORMAL_RATIO => Verdict::Easy,
+        () => Verdict::Hard,
+    };
+    Feasibility { verdict, ..measured(mesh, stretches, conformal_ratio, best_scale(stretches)) }
+}
+
+/// Predicts how well the pattern fits a map from the closed to the open state, whose stretches are as they are. It is out
+/// of reach where turning rectangles reach none of it, or where a place is stretched more than any of them can.
+pub fn feasibility_of_map(mesh: &TriMesh, stretches: &[Stretch], conformal_ratio: f64) -> Feasibility {
+    let found = measured(mesh, stretches, conformal_ratio, 1.0);
+    let within = found.range[1] <= MOST_STRETCH_RATIO && found.reached > 0.0;
+    let verdict = match found.reached {
+        _ if !within => Verdict::Beyond,
+        reached if reached > EASY_PART => Verdict::Easy,
+        _ => Verdict::Hard,
+    };
+    Feasibility { verdict, ..found }
+}
+
+/// Turning rectangles reach all of a map but for single triangles.
+const EASY_PART: f64 = 0.99;
+
+/// The figures of stretches times a scale; nothing is said of the verdict.
+fn measured(mesh: &TriMesh, stretches: &[Stretch], conformal_ratio: f64, scale: f64) -> Feasibility {
     let to_nominal = nominal_scale(stretches) / scale;
     let opened: Vec<[f64; 2]> = stretches.iter().map(|s| s.principal.map(|m| scale * m)).collect();
     let total: f64 = stretches.iter().map(|s| s.area).sum();
@@ -102,15 +128,9 @@ pub fn feasibility(mesh: &TriMesh, stretches: &[Stretch], conformal_ratio: f64) 
     };
     let triangle = (1..opened.len()).fold(0, |worst, i| worse(i, worst));
     let corners = mesh.faces[triangle].map(|v| mesh.vertices[v].coords);
-    let verdict = match () {
-        () if conformal_ratio.is_nan() || conformal_ratio > MOST_STRETCH_RATIO => Verdict::Beyond,
-        () if ratio.is_nan() || ratio > MOST_STRETCH_RATIO => Verdict::Beyond,
-        () if ratio <= EASY_RATIO && conformal_ratio <= EASY_CONFORMAL_RATIO => Verdict::Easy,
-        () => Verdict::Hard,
-    };
     Feasibility {
         conformal_ratio,
-        worst_ratio: ratio,
+        worst_ratio: worst_ratio(stretches),
         range: opened.iter().fold([f64::INFINITY, 0.0], |[low, high], m| [low.min(m[1]), high.max(m[0])]),
         reached: mean(&|&m| if excess(m, 1.0) <= 1.0 { 1.0 } else { 0.0 }),
         mean_deviation: mean(&|&m| (to_nominal * full_opening(m) - 1.0).abs()),
@@ -122,7 +142,7 @@ pub fn feasibility(mesh: &TriMesh, stretches: &[Stretch], conformal_ratio: f64) 
         },
         openings,
         beyond: opened.iter().map(|&m| excess(m, 1.0) > 1.0).collect(),
-        verdict,
+        verdict: Verdict::Hard,
     }
 }
 
@@ -259,6 +279,17 @@ mod tests {
         // One outlier is given up, the other two are reached.
         let scale = best_scale(&even(&[1.0, 1.2, 5.0]));
         assert!((1.0..=SQRT_2 / 1.2 + 1e-12).contains(&scale), "{scale}");
+    }
+
+    #[test]
+    fn the_stretches_of_a_map_are_taken_as_they_are() {
+        let vertices = (0..4).map(|i| Point3::new(f64::from(i), f64::from(i % 2), 0.0)).collect();
+        let mesh = TriMesh { vertices, faces: vec![[0, 1, 2], [1, 3, 2]] };
+        let verdict = |m: &[f64]| feasibility_of_map(&mesh, &even(m), 1.0).verdict;
+        assert_eq!([verdict(&[1.1, 1.3]), verdict(&[1.1, 1.5])], [Verdict::Easy, Verdict::Hard]);
+        // Too small, though even: its size is not free.
+        assert_eq!([verdict(&[0.7, 0.7]), verdict(&[1.1, 3.2])], [Verdict::Beyond; 2]);
+        assert_eq!(feasibility_of_map(&mesh, &even(&[1.1, 1.3]), 1.0).range, [1.1, 1.3]);
     }
 
     #[test]

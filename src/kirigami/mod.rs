@@ -44,4 +44,6 @@ pub mod improve;
 
 pub mod validity;
 
+pub mod mirror;
+
 pub mod filled;

@@ -8,8 +8,9 @@ use super::filled::{closed_surface, open_surface};
 use super::piece_mesh::PieceMesh;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
+use crate::geometry::plane::doubled_area;
 use crate::geometry::topology::disk;
-use crate::geometry::{bounds, centroid};
+use crate::geometry::{Vector3, bounds, centroid};
 
 /// What was reached. Lengths in millimetres unless said otherwise.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,15 +25,18 @@ pub struct Quality {
     pub distance_max: f64,
     /// Largest distance of a piece's centre from the target: what flat pieces cost on a curved surface.
     pub sagitta_max: f64,
-    /// Largest distance of a point of the target (vertices and face centres) from the pattern, holes filled; 0 where
-    /// the pattern need not cover the target.
+    /// Largest distance of a point of the target (vertices and face centres) from the pattern, holes filled; states that
+    /// need not cover their target do not count.
     pub coverage_max: f64,
-    /// Largest distance between the target's boundary and the pattern's, either way; 0 where that is not held.
+    /// Largest distance between the target's boundary and the pattern's, either way; states whose border is not held to
+    /// the boundary do not count.
     pub boundary_max: f64,
     /// Diagonal of the target's bounding box.
     pub target_diagonal: f64,
-    /// These five figures state by state, for those that have a target; above stand the larger ones.
+    /// These figures state by state, for those that have a target; above stand the larger ones.
     pub fits: Vec<(State, Fit)>,
+    /// Largest distance between two closed hinge points of a corner along the sheet's normal.
+    pub closed_step_max: f64,
     /// Mean distance between neighbouring corners of the closed sheet.
     pub mean_edge: f64,
     /// The mean edge that was asked for.
@@ -52,6 +56,10 @@ pub struct Fit {
     pub coverage_max: f64,
     pub boundary_max: f64,
     pub target_diagonal: f64,
+    /// Whether the pattern's border is held to the target's boundary; else it may cover the target in part.
+    pub held: bool,
+    /// Area of the pattern, slits or holes filled, over the target's.
+    pub covered: f64,
 }
 
 /// Limits that a design must keep to be made. Those in edges and cells scale with the pattern.
@@ -119,9 +127,10 @@ pub fn measure(
         .filter_map(|(state, surface)| Some((state, fit(design, state, surface, goals.of(state))?)))
         .collect();
     // Whatever is not a number must show.
-    let largest = |figure: fn(&Fit) -> f64| {
-        let worse = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
-        fits.iter().map(|(_, fit)| figure(fit)).fold(0.0, worse)
+    let worse = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+    let largest = |figure: fn(&Fit) -> f64| fits.iter().map(|(_, fit)| figure(fit)).fold(0.0, worse);
+    let held = |figure: fn(&Fit) -> f64| {
+        fits.iter().filter(|(_, fit)| fit.held).map(|(_, fit)| figure(fit)).fold(0.0, worse)
     };
     Quality {
         e_isom,
@@ -129,10 +138,11 @@ pub fn measure(
         planarity: planarity(design) / mean_edge,
         distance_max: largest(|fit| fit.distance_max),
         sagitta_max: largest(|fit| fit.sagitta_max),
-        coverage_max: largest(|fit| fit.coverage_max),
-        boundary_max: largest(|fit| fit.boundary_max),
+        coverage_max: held(|fit| fit.coverage_max),
+        boundary_max: held(|fit| fit.boundary_max),
         target_diagonal: largest(|fit| fit.target_diagonal),
         fits,
+        closed_step_max: closed_step(design),
         mean_edge,
         asked_edge,
         area_expansion: areas[1] / areas[0],
@@ -148,13 +158,14 @@ fn fit(design: &Design, state: State, surface: &PolyMesh, goal: Goal) -> Option<
     let centres = design.pieces.iter().map(|piece| centroid(piece.vertices(state)));
     let triangles = fan_triangles(surface);
     let (low, high) = bounds(&target.surface.mesh().vertices);
-    let held = goal.outline().is_some();
     Some(Fit {
         distance_max: largest(&mut vertices.map(|p| target.surface.distance(p))),
         sagitta_max: largest(&mut centres.map(|p| target.surface.distance(&p))),
-        boundary_max: if held { boundary_distance(surface, &triangles, target) } else { 0.0 },
-        coverage_max: if held { coverage(triangles, target) } else { 0.0 },
+        boundary_max: boundary_distance(surface, &triangles, target),
         target_diagonal: (high - low).norm(),
+        held: goal.outline().is_some(),
+        covered: area(&triangles) / area(target.surface.mesh()),
+        coverage_max: coverage(triangles, target),
     })
 }
 
@@ -172,6 +183,7 @@ pub fn measure_alone(design: &Design) -> Quality {
         boundary_max: f64::NAN,
         target_diagonal: f64::NAN,
         fits: Vec::new(),
+        closed_step_max: closed_step(design),
         mean_edge,
         asked_edge: f64::NAN,
         area_expansion: f64::NAN,
@@ -231,6 +243,25 @@ pub fn coverage(pattern: TriMesh, target: &Target) -> f64 {
     let samples = corners.chain(mesh.faces.iter().map(|face| centroid(&face.map(|v| mesh.vertices[v]))));
     let pattern = ClosestPoints::new(pattern);
     samples.map(|p| pattern.distance(&p)).fold(0.0, f64::max)
+}
+
+/// Largest distance between two closed hinge points of a corner along the mean normal of the pieces around it.
+fn closed_step(design: &Design) -> f64 {
+    let mut normals = vec![Vector3::zeros(); design.corners.len()];
+    for piece in &design.pieces {
+        piece.corners.iter().for_each(|&corner| normals[corner] += doubled_area(&piece.closed));
+    }
+    // Least and largest height of each corner's hinges.
+    let mut heights = vec![(f64::INFINITY, f64::NEG_INFINITY); design.corners.len()];
+    for hinge in &design.hinges {
+        let piece = &design.pieces[hinge.pieces[0]];
+        let corner = piece.corners[hinge.vertices[0]];
+        let normal = normals[corner].try_normalize(0.0).unwrap_or_default();
+        let height = (piece.closed[hinge.vertices[0]] - design.corners[corner]).dot(&normal);
+        let (low, high) = heights[corner];
+        heights[corner] = (low.min(height), high.max(height));
+    }
+    heights.iter().map(|(low, high)| high - low).fold(0.0, f64::max)
 }
 
 /// E_isom at mean edge 1, and the largest relative length error.

@@ -8,6 +8,7 @@
 use super::control_mesh::{Goal, Goals};
 use super::design::{Design, State};
 use super::filled::open_surface;
+use super::mirror::is_mirrored;
 use super::piece_mesh::PieceMesh;
 use crate::geometry::{Point3, Vector3, centroid};
 
@@ -19,7 +20,7 @@ pub enum Invalid {
     Face {
         /// Which face, as "piece 12" or "the hole at corner 7".
         face: String,
-        /// "turned over" or "crossing itself".
+        /// "turned over", "crossing itself" or "mirrored".
         fault: &'static str,
         /// Which state.
         state: &'static str,
@@ -69,7 +70,20 @@ pub fn check(design: &Design, mesh: &PieceMesh, goals: &Goals, least_width: f64)
             }
         })?;
     }
+    mirrored(design, goals)?;
     folded(design, goals)
+}
+
+/// Every piece must be the same in both states, not its mirror image.
+fn mirrored(design: &Design, goals: &Goals) -> Result<(), Invalid> {
+    for (i, piece) in design.pieces.iter().enumerate() {
+        let normals = [outside(goals.closed, &piece.closed), outside(goals.open, &piece.open)];
+        if is_mirrored(piece, normals) {
+            let (face, at) = (format!("piece {i}"), centroid(&piece.open));
+            return Err(Invalid::Face { face, fault: "mirrored", state: "open", at });
+        }
+    }
+    Ok(())
 }
 
 /// The direction against which a face of a state is seen counter-clockwise: the goal's normal, or the face's own where

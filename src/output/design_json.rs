@@ -25,7 +25,7 @@ use crate::solver::Report;
 pub use invariants::{InvalidDesign, MAX_COORDINATE, SAME_POINT, UNIT_LENGTH, check};
 pub use read::{InvalidDesignFile, MAX_FILE_BYTES, ReadDesignError, parse, read, read_bytes};
 pub use read_report::{Origin, parse_report};
-pub use report::figures;
+pub use report::{figures, fit_object};
 
 /// The version of the format that is written and read.
 pub const VERSION: u64 = 1;
@@ -117,7 +117,8 @@ fn pattern_name(pattern: PatternKind) -> &'static str {
     }
 }
 
-fn state_name(state: State) -> &'static str {
+/// The name of a state in files.
+pub fn state_name(state: State) -> &'static str {
     match state {
         State::Closed => "closed",
         State::Open => "open",

@@ -130,6 +130,22 @@ pub fn piece_solid(
     Ok(triangles)
 }
 
+/// The solids of all pieces of a design in one list, in the design's order; see [`piece_solid`].
+///
+/// # Errors
+/// The first piece that cannot be split into triangles, and why.
+pub fn solids(
+    design: &Design,
+    state: State,
+    thickness: f64,
+) -> Result<Vec<[Point3; 3]>, (usize, TriangulateError)> {
+    let mut triangles = Vec::new();
+    for (index, piece) in design.pieces.iter().enumerate() {
+        triangles.extend(piece_solid(piece, state, thickness).map_err(|error| (index, error))?);
+    }
+    Ok(triangles)
+}
+
 /// Writes triangles as binary STL, which holds single precision.
 ///
 /// # Errors

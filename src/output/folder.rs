@@ -8,9 +8,16 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The names of all files that a run may make.
-pub const FILE_NAMES: [&str; 7] =
+/// The names of the files that a run makes of a sheet.
+pub const SHEET_FILES: [&str; 7] =
     ["design.json", "cut.dxf", "cut.svg", "hinges.csv", "hinges.json", "preview.svg", "timings.json"];
+
+/// Solids of the pieces in the closed and in the open state.
+pub const SOLIDS: [&str; 2] = ["pieces-closed.stl", "pieces-open.stl"];
+
+/// The names of the files that a run makes where neither state is flat.
+pub const ASSEMBLY_FILES: [&str; 7] =
+    ["design.json", "hinges.csv", "hinges.json", SOLIDS[0], SOLIDS[1], "preview.svg", "timings.json"];
 
 /// What an interrupted run leaves behind. It may stand in a folder that is replaced.
 const PARTIAL: &str = super::partial_json::FILE_NAME;
@@ -44,7 +51,7 @@ pub enum FolderError {
 
 /// Whether a file is one that a run makes.
 fn is_of_a_run(name: &str) -> bool {
-    FILE_NAMES.contains(&name) || name == PARTIAL
+    SHEET_FILES.contains(&name) || ASSEMBLY_FILES.contains(&name) || name == PARTIAL
 }
 
 /// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.

@@ -3,8 +3,9 @@
 //! It shows the sheet as it will be cut, the other state in space, which side is up and what becomes of it, how the
 //! pieces turn at a hinge, and the key figures. Page coordinates are millimetres, y down. The page decides nothing:
 //! all numbers are those of the [`Fabrication`] and of the lines that the caller passes. The same input gives the
-//! same bytes.
+//! same bytes. [`assembly`] draws the page of a design that has no flat state.
 
+pub mod assembly;
 mod detail;
 mod opened_corner;
 mod opening;
@@ -23,7 +24,6 @@ use super::layout_fault::{self, LayoutFault};
 use super::plain_line;
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
-use crate::fabrication::outline::Contour;
 use crate::geometry::Point3;
 use crate::kirigami::design::{Design, Hinge, Piece};
 use detail::Corner;
@@ -114,21 +114,18 @@ pub fn write<W: Write>(preview: &Preview<'_>, mut out: W) -> Result<(), WritePre
         corner: Corner::nearest_to_middle(preview.fabrication),
         simplified: preview.fabrication.design.pieces.len() > DETAILED_PIECES,
     };
-    let [width, height] = PAGE;
-    let document = Document::new()
-        .set("width", format!("{}mm", number(width, 0)))
-        .set("height", format!("{}mm", number(height, 0)))
-        .set("viewBox", format!("0 0 {} {}", number(width, 0), number(height, 0)))
-        .set("font-family", "sans-serif")
-        .add(Title::new(plain_line(&format!("{}: preview", preview.title))))
-        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff"))
-        .add(header(preview))
+    let subtitle = format!(
+        "target {}   |   profile {}   |   a picture to look at, not to cut from: cut cut.dxf or cut.svg",
+        preview.target, preview.profile
+    );
+    let document = empty_page(preview.title)
+        .add(header(preview.title, &subtitle, &preview.fabrication.hinges))
         .add(sheet::panel(&scene, SHEET))
         .add(tables::legend(&scene, LEGEND))
         .add(space::panel(&scene, SPACE))
         .add(detail::panel(&scene, DETAIL))
         .add(tables::figures(preview.figures, FIGURES))
-        .add(tables::hinges(&scene, HINGES));
+        .add(tables::hinges(&preview.fabrication.hinges, &scene.worst, HINGES));
     ::svg::write(&mut out, &document)?;
     out.write_all(b"\n")?;
     Ok(out.flush()?)
@@ -146,16 +143,24 @@ struct Scene<'a> {
     simplified: bool,
 }
 
-fn header(preview: &Preview<'_>) -> Group {
-    let subtitle = format!(
-        "target {}   |   profile {}   |   a picture to look at, not to cut from: cut cut.dxf or cut.svg",
-        preview.target, preview.profile
-    );
-    let title = shortened(preview.title, page::BOLD * 8.0, 290.0);
+/// A white page with its title.
+fn empty_page(title: &str) -> Document {
+    let [width, height] = PAGE;
+    Document::new()
+        .set("width", format!("{}mm", number(width, 0)))
+        .set("height", format!("{}mm", number(height, 0)))
+        .set("viewBox", format!("0 0 {} {}", number(width, 0), number(height, 0)))
+        .set("font-family", "sans-serif")
+        .add(Title::new(plain_line(&format!("{title}: preview"))))
+        .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff"))
+}
+
+fn header(title: &str, subtitle: &str, hinges: &[HingeRow]) -> Group {
+    let title = shortened(title, page::BOLD * 8.0, 290.0);
     Group::new()
-        .add(verdict(&preview.fabrication.hinges))
+        .add(verdict(hinges))
         .add(text(Point::new(8.0, 13.5), 8.0, &title).set("font-weight", "bold"))
-        .add(text(Point::new(8.0, 20.0), 3.6, &shortened(&subtitle, 3.6, 400.0)))
+        .add(text(Point::new(8.0, 20.0), 3.6, &shortened(subtitle, 3.6, 400.0)))
 }
 
 /// The count of hinges by verdict, in a box whose colour is that of the worst.
@@ -191,26 +196,38 @@ fn worst(rows: &[HingeRow]) -> Vec<&HingeRow> {
 fn check(fabrication: &Fabrication) -> Result<(), WritePreviewError> {
     layout_fault::check(&fabrication.layout)?;
     let Fabrication { design, layout, hinges, outlines } = fabrication;
-    for (what, value) in [("kerf", layout.kerf), ("gap", design.gap)] {
-        if !(value.is_finite() && value >= 0.0) {
-            return Err(WritePreviewError::Length { what, value });
+    check_length("kerf", layout.kerf)?;
+    check_count("outlines", outlines.len(), design.pieces.len())?;
+    for (index, outline) in outlines.iter().enumerate() {
+        if outline.len() < 3 || !outline.iter().flatten().all(|c| c.is_finite()) {
+            let reason = match outline.len() {
+                0..3 => "has an outline of fewer than three vertices",
+                _ => "has a vertex that is not finite",
+            };
+            return Err(WritePreviewError::Item { kind: "piece", index, reason });
         }
     }
-    let counts = [
-        ("outlines", outlines.len(), design.pieces.len()),
-        ("rows of hinges", hinges.len(), design.hinges.len()),
-    ];
-    for (what, found, expected) in counts {
-        if found != expected {
-            return Err(WritePreviewError::Count { what, found, expected });
-        }
-    }
+    check_design(design, hinges)
+}
+
+fn check_length(what: &'static str, value: f64) -> Result<(), WritePreviewError> {
+    if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(WritePreviewError::Length { what, value }) }
+}
+
+fn check_count(what: &'static str, found: usize, expected: usize) -> Result<(), WritePreviewError> {
+    if found == expected { Ok(()) } else { Err(WritePreviewError::Count { what, found, expected }) }
+}
+
+/// Checks a design and the rows of its hinges.
+fn check_design(design: &Design, hinges: &[HingeRow]) -> Result<(), WritePreviewError> {
+    check_length("gap", design.gap)?;
+    check_count("rows of hinges", hinges.len(), design.hinges.len())?;
     let item = |kind, index, reason| WritePreviewError::Item { kind, index, reason };
     if let Some(index) = design.corners.iter().position(|p| !finite(p)) {
         return Err(item("corner", index, "is not finite"));
     }
-    for (index, (piece, outline)) in design.pieces.iter().zip(outlines).enumerate() {
-        check_piece(design, piece, outline).map_err(|reason| item("piece", index, reason))?;
+    for (index, piece) in design.pieces.iter().enumerate() {
+        check_piece(design, piece).map_err(|reason| item("piece", index, reason))?;
     }
     for (index, (hinge, row)) in design.hinges.iter().zip(hinges).enumerate() {
         let reason = check_hinge(design, hinge, row);
@@ -224,16 +241,15 @@ fn finite(p: &Point3) -> bool {
     p.iter().all(|c| c.is_finite())
 }
 
-fn check_piece(design: &Design, piece: &Piece, outline: &Contour) -> Result<(), &'static str> {
+fn check_piece(design: &Design, piece: &Piece) -> Result<(), &'static str> {
     let count = piece.corners.len();
-    if count < 3 || piece.closed.len() != count || piece.open.len() != count || outline.len() < 3 {
+    if count < 3 || piece.closed.len() != count || piece.open.len() != count {
         return Err("has fewer than three vertices or not equally many in both states");
     }
     if piece.corners.iter().any(|&corner| corner >= design.corners.len()) {
         return Err("has a corner that the design does not have");
     }
-    if !piece.closed.iter().chain(&piece.open).all(finite) || !outline.iter().flatten().all(|c| c.is_finite())
-    {
+    if !piece.closed.iter().chain(&piece.open).all(finite) {
         return Err("has a vertex that is not finite");
     }
     Ok(())

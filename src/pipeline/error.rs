@@ -41,6 +41,13 @@ pub enum PipelineError {
         path.display(), at.x, at.y, at.z
     )]
     Folded { path: PathBuf, face: usize, at: Point3, ratio: f64 },
+    /// A mesh of a map folds over.
+    #[error(
+        "{}: the map between the two meshes folds over at face {face} near ({:.2}, {:.2}, {:.2}) mm: there the face is turned \
+         over against those around it; move its vertices apart, so that every face lies beside its neighbours",
+        path.display(), at.x, at.y, at.z
+    )]
+    FoldedMap { path: PathBuf, face: usize, at: Point3 },
     /// The target curves too much.
     #[error(
         "{}: flattening the target stretches some places {ratio:.3} times as much as others; a pattern of turning pieces \
@@ -110,6 +117,7 @@ impl PipelineError {
         match self {
             Self::Read(_)
             | Self::Triangulate { .. }
+            | Self::FoldedMap { .. }
             | Self::Journal(_)
             | Self::NoDirections { .. }
             | Self::NoMap { .. } => true,

@@ -171,7 +171,7 @@ fn between(job: &Job, size: PieceSize, closed: TargetMesh, open: TargetMesh) -> 
     let finest = &levels[levels.len() - 1].cover;
     let by = finest.cell.closed.map(|side| finest.cell.open / side);
     let placed = middle_to_middle(&closed, &closed_flat.points, &open.mesh, &flat.points, by);
-    fits(&closed, &placed, finest, by)?;
+    fits(&closed, &placed, finest, by, &middle(&open.mesh, &flat.points))?;
     let layouts = Layouts {
         closed: Layout::Lifted(LinearMap::new(closed.mesh.clone(), &placed)),
         open: Layout::Lifted(LinearMap::new(open.mesh.clone(), &flat.points)),
@@ -212,20 +212,42 @@ fn middle(mesh: &TriMesh, flat: &[Point2]) -> Point2 {
     Point2::from(sum / total)
 }
 
-/// Checks that a grid lies inside the closed target laid flat, but for half a cell.
-fn fits(closed: &TargetMesh, placed: &[Point2], cover: &Cover, by: [f64; 2]) -> Result<(), PipelineError> {
+/// Checks that a grid lies inside the closed target laid flat about `middle`, but for half a cell.
+fn fits(
+    closed: &TargetMesh,
+    placed: &[Point2],
+    cover: &Cover,
+    by: [f64; 2],
+    middle: &Point2,
+) -> Result<(), PipelineError> {
     let map = LinearMap::new(closed.mesh.clone(), placed);
-    let far = cover.corners.iter().map(|p| (map.distance(p), *p));
-    let (beyond, at) = far.fold((0.0, Point2::origin()), |a, b| if b.0 > a.0 { b } else { a });
-    if beyond <= 0.5 * cover.cell.open {
+    // The corner that is farthest beyond the target if that is so many times as large.
+    let farthest = |factor: f64| {
+        let far =
+            cover.corners.iter().map(|p| (factor * map.distance(&(middle + (p - middle) / factor)), *p));
+        far.fold((0.0, Point2::origin()), |a, b| if b.0 > a.0 { b } else { a })
+    };
+    let most = 0.5 * cover.cell.open;
+    let (beyond, at) = farthest(1.0);
+    if beyond <= most {
         return Ok(());
+    }
+    let mut needed = 1.0;
+    while needed < LARGEST_FACTOR && farthest(needed).0 > most {
+        needed *= 1.02;
     }
     let target: f64 = area(&closed.mesh);
     let sheet = cover.mesh.pieces.len() as f64 * cover.cell.closed[0] * cover.cell.closed[1];
-    let factor = 1.1 * (sheet / target).sqrt().max(1.0);
+    let factor = ROOM * needed;
     let beyond = beyond / (by[0] * by[1]).sqrt();
     Err(PipelineError::TooSmall { path: closed.path.clone(), at, beyond, sheet, target, factor })
 }
+
+/// Larger factors are not looked for.
+const LARGEST_FACTOR: f64 = 1e4;
+
+/// How much larger than just large enough a target should be: pieces move beyond their grid.
+const ROOM: f64 = 1.15;
 
 fn area(mesh: &TriMesh) -> f64 {
     let triangle = |face: &[usize; 3]| {

@@ -8,7 +8,7 @@ use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::read::read_mesh;
 use crate::geometry::topology::check_disk;
 use crate::geometry::triangulate::{Surface, triangulate, triangulate_from_centres};
-use crate::geometry::{Point2, Vector2, bounds};
+use crate::geometry::{Point2, Vector2, Vector3, bounds};
 use crate::job::{self, Shape};
 use crate::kirigami::feasibility::{EASY_RATIO, MOST_STRETCH_RATIO};
 
@@ -41,7 +41,8 @@ impl Targets {
     }
 }
 
-/// Reads the targets of a job, checks that they are disks, and scales them to millimetres.
+/// Reads the targets of a job, checks that they are disks, and those of a map that they do not fold, and scales them to
+/// millimetres.
 pub(super) fn read_targets(target: &job::Target) -> Result<Targets, PipelineError> {
     let (open, closed) = (read_shape(&target.open)?, read_shape(&target.closed)?);
     let extent = |mesh: &PolyMesh| {
@@ -68,14 +69,20 @@ pub(super) fn read_targets(target: &job::Target) -> Result<Targets, PipelineErro
         let Surface { mesh, face_of, .. } = surface;
         Ok::<_, PipelineError>(TargetMesh { path: path.to_owned(), mesh, face_of, cycle, scale })
     };
-    Ok(Targets {
+    let targets = Targets {
         closed: match closed {
             Some((path, mesh)) => Some(prepare(path, mesh.clone(), closed_scale(&mesh))?),
             None => None,
         },
         open: open.map(|(path, mesh)| prepare(path, mesh, scale)).transpose()?,
         correspond: alike,
-    })
+    };
+    if alike {
+        for target in targets.closed.iter().chain(&targets.open) {
+            target.unfolded()?;
+        }
+    }
+    Ok(targets)
 }
 
 fn read_shape(shape: &Shape) -> Result<Option<(&Path, PolyMesh)>, PipelineError> {
@@ -107,6 +114,31 @@ impl TargetMesh {
         let off = self.mesh.vertices.iter().map(|p| (p - middle).dot(&normal).abs()).fold(0.0, f64::max);
         // Six digits are what mesh files usually carry.
         off <= 1e-6 * (high - low).norm()
+    }
+
+    /// That no triangle of a map's mesh is turned over against those around it.
+    fn unfolded(&self) -> Result<(), PipelineError> {
+        let area = |face: &[usize; 3]| {
+            let [a, b, c] = face.map(|v| self.mesh.vertices[v]);
+            (b - a).cross(&(c - a))
+        };
+        let mut around = vec![Vector3::zeros(); self.mesh.vertices.len()];
+        for face in &self.mesh.faces {
+            face.iter().for_each(|&v| around[v] += area(face));
+        }
+        // The triangle itself counts at all its three vertices.
+        let folded = |face: &[usize; 3]| {
+            let own = area(face);
+            own.dot(&(face.iter().map(|&v| around[v]).sum::<Vector3>() - 3.0 * own)) < 0.0
+        };
+        match self.mesh.faces.iter().position(folded) {
+            None => Ok(()),
+            Some(triangle) => Err(PipelineError::FoldedMap {
+                path: self.path.clone(),
+                face: self.face_of[triangle] + 1,
+                at: self.mesh.vertices[self.mesh.faces[triangle][0]],
+            }),
+        }
     }
 
     /// Lays the mesh flat, as rigidly as possible and with bounded stretch.

@@ -1,10 +1,11 @@
 """Closes an open cut sheet on paper and measures whether its pieces find room.
 
-    closed_state.py cut.dxf hinges.json design.json --kerf MM [--tolerance MM2]
+    closed_state.py cut.dxf hinges.json design.json --kerf MM [--tolerance MM2] [--curved]
 
 What the cuts leave is severed at the ligaments by discs about the hinge points; every part is then carried by the
 rigid motion of its piece from the open into the closed state, which must lie in a plane. Required: one part per
-piece, and no two of them overlap when closed. Prints one line of JSON; exit status 1 where something fails.
+piece, and no two of them overlap when closed. With --curved the closed state lies on a surface: of every two
+neighbouring pieces one is then seen straight from above the other. Prints one line of JSON; exit status 1 where something fails.
 """
 
 import argparse
@@ -42,6 +43,28 @@ def plane_motion(start, end):
     return turn, b - turn @ a, miss
 
 
+def space_motion(start, end):
+    """Rotation and shift of space that take the points `start` to `end` (Kabsch), and the largest miss."""
+    a, b = start.mean(axis=0), end.mean(axis=0)
+    u, _, vt = np.linalg.svd((start - a).T @ (end - b))
+    turn = (u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))]) @ vt).T
+    return turn, b - turn @ a, np.linalg.norm((start - a) @ turn.T + b - end, axis=1).max()
+
+
+def neighbours_from_above(parts, pieces):
+    """Pairs of neighbouring parts, the second moved to where it is when closed as the first one sees it."""
+    motions = [space_motion(np.array(piece["open"]), np.array(piece["closed"])) for piece in pieces]
+    centres = np.array([np.mean(piece["closed"], axis=0) for piece in pieces])
+    reach = max(np.linalg.norm(np.subtract(piece["closed"], c), axis=1).max() for piece, c in zip(pieces, centres))
+    pairs = []
+    for p, q in zip(*np.nonzero(np.linalg.norm(centres[:, None] - centres, axis=2) < 2.2 * reach)):
+        if p != q:
+            (turn_p, shift_p, _), (turn_q, shift_q, _) = motions[p], motions[q]
+            turn, shift = turn_p.T @ turn_q, turn_p.T @ (shift_q - shift_p)
+            pairs.append((parts[p], shapely.transform(parts[q], lambda xy: xy @ turn[:2, :2].T + shift[:2])))
+    return pairs, [miss for _, _, miss in motions]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dxf")
@@ -49,6 +72,7 @@ def main():
     parser.add_argument("design")
     parser.add_argument("--kerf", type=float, required=True)
     parser.add_argument("--tolerance", type=float, default=1e-4, help="mm2 of overlap")
+    parser.add_argument("--curved", action="store_true", help="the closed state is not flat")
     args = parser.parse_args()
     with open(args.hinges, encoding="utf-8") as file:
         hinges = json.load(file)["hinges"]
@@ -60,7 +84,7 @@ def main():
     discs = [shapely.Point(h["point"][:2]).buffer(max(0.5 * h["length_mm"], 0.75 * h["width_mm"])) for h in hinges]
     parts = shapely.get_parts(shapely.difference(body, shapely.union_all(discs)))
     parts = parts[shapely.area(parts) > SPECK]
-    closed, misses, missing = [], [0.0], 0
+    closed, mine_of, misses, missing = [], [], [0.0], 0
     for piece in pieces:
         start, end = (np.array(piece[state])[:, :2] for state in ("open", "closed"))
         centre = shapely.Polygon(start).centroid
@@ -68,15 +92,18 @@ def main():
         if len(mine) != 1:
             missing += 1
             continue
+        mine_of.append(mine[0])
         turn, shift, miss = plane_motion(start, end)
         misses.append(miss)
         closed.append(shapely.transform(mine[0], lambda xy, turn=turn, shift=shift: xy @ turn.T + shift))
-    closed = np.array(closed)
-    i, j = shapely.STRtree(closed).query(closed, predicate="intersects")
-    pairs = [(p, q) for p, q in zip(i, j) if p < q]
-    overlaps = [shapely.area(shapely.intersection(closed[p], closed[q])) for p, q in pairs]
-    near = shapely.STRtree(closed).query(closed, predicate="dwithin", distance=1.0)
-    gaps = [shapely.distance(closed[p], closed[q]) for p, q in zip(*near) if p < q]
+    if args.curved:
+        pairs, misses = neighbours_from_above(mine_of, pieces) if missing == 0 else ([], [np.inf])
+    else:
+        closed = np.array(closed)
+        near = shapely.STRtree(closed).query(closed, predicate="dwithin", distance=1.0)
+        pairs = [(closed[p], closed[q]) for p, q in zip(*near) if p < q]
+    overlaps = [shapely.area(shapely.intersection(p, q)) for p, q in pairs]
+    gaps = [shapely.distance(p, q) for p, q in pairs]
     worst = max(overlaps, default=0.0)
     ok = bool(missing == 0 and len(parts) == len(pieces) and worst <= args.tolerance)
     figures = {

@@ -5,8 +5,10 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 
-use super::Stage;
-use crate::kirigami::quality::Quality;
+use super::report::HELD;
+use super::{Stage, state_name};
+use crate::kirigami::design::State;
+use crate::kirigami::quality::{Fit, Quality};
 use crate::solver::{Iteration, Report, Termination};
 
 /// What a design file tells of its origin.
@@ -81,8 +83,23 @@ impl<'de> Deserialize<'de> for Energies {
 pub fn parse_report(bytes: &[u8]) -> Option<Origin> {
     let FileText { report } = serde_json::from_slice(bytes).ok()?;
     let figure = |key: &str| report.figures.get(key).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+    let fit = |state: State| {
+        let object = report.figures.get(state_name(state))?;
+        let figure = |key: &str| object.get(key)?.as_f64();
+        let fit = Fit {
+            distance_max: figure("distance_max_mm")?,
+            sagitta_max: figure("sagitta_max_mm")?,
+            coverage_max: figure("coverage_max_mm")?,
+            boundary_max: figure("boundary_max_mm")?,
+            target_diagonal: figure("target_diagonal_mm")?,
+            held: object.get(HELD)?.as_bool()?,
+            covered: figure("covered")?,
+        };
+        Some((state, fit))
+    };
     let quality = Quality {
-        fits: Vec::new(),
+        fits: [State::Closed, State::Open].into_iter().filter_map(fit).collect(),
+        closed_step_max: figure("closed_step_max_mm"),
         e_isom: figure("e_isom"),
         max_length_error: figure("max_length_error"),
         planarity: figure("planarity"),

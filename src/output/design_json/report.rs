@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{DesignFile, Stage, WriteDesignError};
-use crate::kirigami::design::Design;
-use crate::kirigami::quality::Quality;
+use super::{DesignFile, Stage, WriteDesignError, state_name};
+use crate::kirigami::design::{Design, State};
+use crate::kirigami::quality::{Fit, Quality};
 use crate::kirigami::rigidity;
 use crate::output::json_rows::write_rows;
 use crate::solver::Iteration;
@@ -16,7 +16,7 @@ use crate::solver::Iteration;
 const NOT_RECORDED: &str = "no iterations recorded";
 
 /// The keys of the figures and their values, in the file's order.
-pub fn figures(quality: &Quality) -> [(&'static str, f64); 12] {
+pub fn figures(quality: &Quality) -> [(&'static str, f64); 13] {
     [
         ("e_isom", quality.e_isom),
         ("max_length_error", quality.max_length_error),
@@ -25,6 +25,7 @@ pub fn figures(quality: &Quality) -> [(&'static str, f64); 12] {
         ("coverage_max_mm", quality.coverage_max),
         ("boundary_max_mm", quality.boundary_max),
         ("sagitta_max_mm", quality.sagitta_max),
+        ("closed_step_max_mm", quality.closed_step_max),
         ("mean_edge_mm", quality.mean_edge),
         ("asked_edge_mm", quality.asked_edge),
         ("area_expansion", quality.area_expansion),
@@ -32,6 +33,31 @@ pub fn figures(quality: &Quality) -> [(&'static str, f64); 12] {
         ("target_diagonal_mm", quality.target_diagonal),
     ]
 }
+
+/// The keys of the figures of one state and their values.
+pub(super) fn fit_figures(fit: &Fit) -> [(&'static str, f64); 6] {
+    [
+        ("distance_max_mm", fit.distance_max),
+        ("coverage_max_mm", fit.coverage_max),
+        ("boundary_max_mm", fit.boundary_max),
+        ("sagitta_max_mm", fit.sagitta_max),
+        ("target_diagonal_mm", fit.target_diagonal),
+        ("covered", fit.covered),
+    ]
+}
+
+/// The figures of a state as the value of its key; null where it has no target.
+pub fn fit_object(quality: &Quality, state: State) -> serde_json::Value {
+    let Some((_, fit)) = quality.fits.iter().find(|(of, _)| *of == state) else {
+        return serde_json::Value::Null;
+    };
+    let figures = fit_figures(fit).into_iter().map(|(key, value)| (key.to_owned(), value.into()));
+    let held = (HELD.to_owned(), fit.held.into());
+    serde_json::Value::Object(figures.chain([held]).collect())
+}
+
+/// The key that says whether a state's border is held to its target's boundary.
+pub(super) const HELD: &str = "boundary_held";
 
 /// The figures that compare with a target, or with what was asked for.
 const OF_TARGET: [&str; 8] = [
@@ -59,6 +85,11 @@ pub(super) fn check(file: &DesignFile) -> Result<(), WriteDesignError> {
             finite(value, &|| format!("report.{key}"))?;
         }
     }
+    for (state, fit) in &file.quality.fits {
+        for (key, value) in fit_figures(fit) {
+            finite(value, &|| format!("report.{}.{key}", state_name(*state)))?;
+        }
+    }
     finite(rigid_residual(file.design), &|| "report.rigid_residual".into())?;
     finite(file.max_strain.unwrap_or(0.0), &|| "report.max_strain".into())?;
     for stage in file.stages {
@@ -83,6 +114,9 @@ pub(super) fn write(file: &DesignFile, out: &mut impl Write) -> io::Result<()> {
     write_entry(out, "hashes", provenance.hashes)?;
     for (key, value) in figures(file.quality) {
         write_entry(out, key, &value)?;
+    }
+    for state in [State::Closed, State::Open] {
+        write_entry(out, state_name(state), &fit_object(file.quality, state))?;
     }
     write_entry(out, "rigid_residual", &rigid_residual(file.design))?;
     write_entry(out, "max_strain", &file.max_strain)?;

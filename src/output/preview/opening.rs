@@ -46,7 +46,7 @@ impl Opening {
         let motions = motions(design);
         let closes = design.sheet_state == Some(State::Open);
         Opening {
-            senses: senses(design),
+            senses: senses(design, &vec![Vector3::z(); design.pieces.len()]),
             frame: frame(&motions),
             bend: bend(design, &motions),
             motions,
@@ -65,12 +65,12 @@ impl Opening {
     }
 }
 
-/// Every hinge says how one of its pieces turns as the other sees it. On a curved surface this needs no common
-/// direction to compare with.
-fn senses(design: &Design) -> Vec<Sense> {
+/// Every hinge says how one of its pieces turns as the other sees it, about the upper side's normal in the state in which
+/// the hinge's axis is given. On a curved surface this needs no common direction to compare with.
+pub fn senses(design: &Design, normals: &[Vector3]) -> Vec<Sense> {
     let mut turns = vec![0.0; design.pieces.len()];
     for hinge in &design.hinges {
-        let turn = hinge.angle * hinge.axis.z;
+        let turn = hinge.angle * hinge.axis.dot(&normals[hinge.pieces[0]]);
         turns[hinge.pieces[0]] -= turn;
         turns[hinge.pieces[1]] += turn;
     }

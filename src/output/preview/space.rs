@@ -1,4 +1,5 @@
-//! The other state in space: the pieces' true outlines, carried by their motions, shaded, painted back to front.
+//! A state in space: the pieces, shaded, painted back to front. Of a sheet it is the other state, with the pieces' true
+//! outlines carried by their motions.
 
 use kurbo::{Affine, Point, Rect, Vec2};
 use svg::node::element::Group;
@@ -50,6 +51,30 @@ impl View {
     }
 }
 
+/// A state to be drawn.
+pub struct Body<'a> {
+    /// The outline of each piece.
+    pub faces: Vec<Vec<Point3>>,
+    /// The unit normal of each piece, on its upper side.
+    pub normals: Vec<Vector3>,
+    /// Which way each piece turns.
+    pub senses: &'a [Sense],
+    /// What x, y and up are on the page: a right-handed frame.
+    pub frame: [Vector3; 3],
+    /// Whether outlines are drawn.
+    pub outlined: bool,
+}
+
+/// The slanting view.
+pub fn slanting(body: &Body, area: Rect) -> Group {
+    picture(body, &View::slanting(body.frame), area)
+}
+
+/// The view from the top.
+pub fn top(body: &Body, area: Rect) -> Group {
+    picture(body, &View::top(body.frame), area)
+}
+
 /// The panel with the slanting view and the view from the top.
 pub fn panel(scene: &Scene, area: Rect) -> Group {
     let heading = if scene.opening.closes {
@@ -57,17 +82,21 @@ pub fn panel(scene: &Scene, area: Rect) -> Group {
     } else {
         "2  Opened: the upper side seen from above"
     };
-    let frame = scene.opening.frame;
-    let faces = faces(scene);
+    let opening = scene.opening;
+    let body = Body {
+        faces: faces(scene),
+        normals: (0..opening.motions.len()).map(|piece| opening.normal(piece)).collect(),
+        senses: &opening.senses,
+        frame: opening.frame,
+        outlined: !scene.simplified,
+    };
     let split = area.x0 + 0.6 * area.width();
     let views = Rect::new(area.x0 + 2.0, area.y0 + 8.0, area.x1 - 2.0, area.y1 - 7.0);
-    let slanting = Rect { x1: split - 1.0, ..views };
-    let top = Rect { x0: split + 1.0, ..views };
     let caption = Point::new(area.x0 + 2.0, area.y1 - 2.0);
     page::panel(area, heading)
-        .add(picture(scene, &faces, &View::slanting(frame), slanting))
-        .add(picture(scene, &faces, &View::top(frame), top))
-        .add(text(caption, 3.2, &format!("{} {}", scene.opening.done(), extents(&faces, frame))))
+        .add(slanting(&body, Rect { x1: split - 1.0, ..views }))
+        .add(top(&body, Rect { x0: split + 1.0, ..views }))
+        .add(text(caption, 3.2, &format!("{} {}", opening.done(), extents(&body))))
         .add(text(Point::new(split + 1.0, caption.y), 3.2, "straight from above"))
 }
 
@@ -83,45 +112,47 @@ fn faces(scene: &Scene) -> Vec<Vec<Point3>> {
     scene.fabrication.outlines.iter().zip(&scene.opening.motions).map(carry).collect()
 }
 
-fn extents(faces: &[Vec<Point3>], frame: [Vector3; 3]) -> String {
+/// How large a state is, in words.
+pub fn extents(body: &Body) -> String {
     let extent = |axis: &Vector3| {
-        let heights = || faces.iter().flatten().map(|p| p.coords.dot(axis));
+        let heights = || body.faces.iter().flatten().map(|p| p.coords.dot(axis));
         heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min)
     };
-    let [x, y, z] = [0, 1, 2].map(|i| number(extent(&frame[i]), 1));
+    let [x, y, z] = [0, 1, 2].map(|i| number(extent(&body.frame[i]), 1));
     format!("{x} x {y} mm, {z} mm high")
 }
 
-fn picture(scene: &Scene, faces: &[Vec<Point3>], view: &View, area: Rect) -> Group {
+fn picture(body: &Body, view: &View, area: Rect) -> Group {
     let projected: Vec<Vec<Point>> =
-        faces.iter().map(|face| face.iter().map(|p| view.project(&p.coords)).collect()).collect();
+        body.faces.iter().map(|face| face.iter().map(|p| view.project(&p.coords)).collect()).collect();
     let map = fit(page::bounds(projected.iter().flatten().copied()), area.inset(-1.0));
-    let mut order: Vec<(f64, usize)> = faces
+    let mut order: Vec<(f64, usize)> = body
+        .faces
         .iter()
         .enumerate()
         .map(|(piece, face)| (centroid(face).coords.dot(&view.towards), piece))
         .collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut group = Group::new();
-    if !scene.simplified {
+    if body.outlined {
         group = group.set("stroke", "#555555").set("stroke-width", "0.06").set("stroke-linejoin", "round");
     }
     for (_, piece) in order {
         let contour: Vec<Point> = projected[piece].iter().map(|&p| map * p).collect();
         let mut data = String::new();
         push_polyline(&mut data, simplified(&contour, TOLERANCE), true, 2);
-        group = group.add(page::area(data, &shade(scene, piece, view)));
+        group = group.add(page::area(data, &shade(body, piece, view)));
     }
-    Group::new().add(group).add(axes(view, scene.opening.frame, area))
+    Group::new().add(group).add(axes(view, body.frame, area))
 }
 
 /// Lambert's law: brightness by the angle between the visible side's normal and the light.
-fn shade(scene: &Scene, piece: usize, view: &View) -> String {
-    let [x, y, up] = scene.opening.frame;
+fn shade(body: &Body, piece: usize, view: &View) -> String {
+    let [x, y, up] = body.frame;
     let light = (x * LIGHT[0] + y * LIGHT[1] + up * LIGHT[2]).normalize();
-    let normal = scene.opening.normal(piece);
+    let normal = body.normals[piece];
     let upper = normal.dot(&view.towards) >= 0.0;
-    let tone = if upper { scene.opening.senses[piece].tone() } else { UNDERSIDE };
+    let tone = if upper { body.senses[piece].tone() } else { UNDERSIDE };
     let visible = if upper { normal } else { -normal };
     let brightness = AMBIENT + (1.0 - AMBIENT) * visible.dot(&light).max(0.0) / light.dot(&up).max(0.5);
     colour(tone.map(|c| c * brightness.min(1.08)))

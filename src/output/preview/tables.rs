@@ -91,9 +91,9 @@ pub fn legend(scene: &Scene, area: Rect) -> Group {
     let frame = rectangle(area, "none").set("stroke", "#bbbbbb").set("stroke-width", "0.25");
     Group::new()
         .add(frame)
-        .add(piece_legend(scene, column(0.0)))
+        .add(piece_legend(if scene.opening.closes { "closes" } else { "opens" }, column(0.0)))
         .add(cut_legend(scene, column(1.0)))
-        .add(hinge_legend(scene, column(2.0)))
+        .add(hinge_legend(&scene.fabrication.hinges, column(2.0)))
 }
 
 fn heading(area: Rect, content: &str) -> Group {
@@ -104,8 +104,8 @@ fn row(area: Rect, i: usize) -> Point {
     Point::new(area.x0, area.y0 + 4.6 + ROW * (i + 1) as f64)
 }
 
-fn piece_legend(scene: &Scene, area: Rect) -> Group {
-    let does = if scene.opening.closes { "closes" } else { "opens" };
+/// The tones of the pieces of a sheet that "opens" or "closes".
+pub fn piece_legend(does: &str, area: Rect) -> Group {
     let mut group = heading(area, &format!("Pieces, as the sheet {does}, turn"));
     for (i, sense) in [Sense::CounterClockwise, Sense::Clockwise].into_iter().enumerate() {
         let at = row(area, i) + Vec2::new(0.0, 1.5 * i as f64);
@@ -121,7 +121,7 @@ fn piece_legend(scene: &Scene, area: Rect) -> Group {
     group.add(rectangle(Rect::new(at.x, at.y - 2.8, at.x + 9.0, at.y + 0.4), "#8a8a8a")).add(text(
         Point::new(at.x + 11.0, at.y),
         SIZE,
-        "underside (in picture 2)",
+        "underside (in space)",
     ))
 }
 
@@ -146,8 +146,8 @@ fn cut_legend(scene: &Scene, area: Rect) -> Group {
     group
 }
 
-fn hinge_legend(scene: &Scene, area: Rect) -> Group {
-    let rows = &scene.fabrication.hinges;
+/// How many hinges there are of each class.
+pub fn hinge_legend(rows: &[HingeRow], area: Rect) -> Group {
     let mut group = heading(area, &format!("Hinges: {} in all", grouped(rows.len())));
     for (i, class) in HingeClass::ALL.into_iter().enumerate() {
         let at = row(area, i);
@@ -191,8 +191,7 @@ pub fn figures(lines: &[(String, String)], area: Rect) -> Group {
 }
 
 /// Counts by verdict and the worst hinges with what is wrong.
-pub fn hinges(scene: &Scene, area: Rect) -> Group {
-    let rows = &scene.fabrication.hinges;
+pub fn hinges(rows: &[HingeRow], worst: &[&HingeRow], area: Rect) -> Group {
     let all_ok = rows.iter().all(|row| row.verdict == Verdict::Ok);
     let heading = if all_ok { "5  Most strained hinges" } else { "5  Worst hinges" };
     let mut y = area.y0 + 10.6;
@@ -201,9 +200,9 @@ pub fn hinges(scene: &Scene, area: Rect) -> Group {
         2.9,
         "id at (x, y) in mm: turning angle, strain at that angle",
     ));
-    let room = (area.y1 - y - 2.0) / scene.worst.len().max(1) as f64;
+    let room = (area.y1 - y - 2.0) / worst.len().max(1) as f64;
     y += 1.4;
-    for row in &scene.worst {
+    for row in worst {
         let head = format!(
             "#{} at ({}, {}): {}\u{b0}, {} %",
             row.id,
