@@ -4,6 +4,8 @@ mod clock;
 
 mod error;
 
+mod guides;
+
 mod predict;
 
 mod stage1;
@@ -17,8 +19,9 @@ use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::placement::place_on_sheet;
 use crate::geometry::Point3;
 use crate::job::{Job, Opening};
-use crate::kirigami::control_mesh::Goals;
+use crate::kirigami::control_mesh::{Goal, Goals};
 use crate::kirigami::design::{Design, State};
+use crate::kirigami::guides::measure_open;
 use crate::kirigami::hinges;
 use crate::kirigami::levels::{Climb, Level, Reached};
 use crate::kirigami::pattern::{Pattern, initial_pattern};
@@ -28,11 +31,13 @@ use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
 use crate::solver::Report;
+use guides::read_guides;
 use stage1::{Aims, Begun, begin};
 use surfaces::read_targets;
 
 pub use clock::{Clock, Event, Progress, Timings, Watch};
 pub use error::{Partial, PipelineError};
+pub use guides::GuideError;
 pub use predict::{Prediction, predict};
 
 /// Piece polygons must be at least this many hinge gaps wide, so that ligaments and slits find room.
@@ -73,7 +78,8 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
     clock.go_on(|| Some(reached("fabrication", &designed.design, clock)))?;
     let Quality { asked_edge, stretch_ratio, .. } = designed.quality;
     let goals = designed.aims.goals();
-    let quality = measure(&fabrication.design, &designed.mesh, &goals, asked_edge, stretch_ratio);
+    let measured = measure(&fabrication.design, &designed.mesh, &goals, asked_edge, stretch_ratio);
+    let quality = Quality { open_state: designed.quality.open_state, ..measured };
     Ok(Made { fabrication, quality, stages: designed.stages })
 }
 
@@ -83,6 +89,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
 /// A mesh that cannot be used, a target that cannot be reached.
 pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let targets = clock.run("read", |_| read_targets(&job.target))?;
+    let closed_scale = targets.closed.as_ref().map(|closed| closed.scale);
     clock.go_on(|| None)?;
     let Begun { mut levels, layouts, aims, ratio, reports: reports1 } =
         clock.run("stage-1", |_| begin(job, targets))?;
@@ -91,6 +98,14 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         memory::check(levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
     }
     let goals = aims.goals();
+    let guides = match (closed_scale, goals.closed.target()) {
+        (Some(scale), Some(closed)) => {
+            let [a, b] = levels[levels.len() - 1].cover.cell.closed;
+            read_guides(&job.guides, scale, closed, a.max(b))?
+        }
+        _ => Vec::new(),
+    };
+    let goals = Goals { guides: &guides, ..goals };
     let climb = Climb {
         levels: &levels,
         layouts: &layouts,
@@ -102,7 +117,10 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let (pattern, [reports2, reports3]) = optimise(&climb, clock)?;
     let Level { cover, gap } = levels.pop().expect("at least one level");
     let design = hinges::design(&cover.mesh, &pattern, gap, goals.sheet_state());
-    let quality = measure(&design, &cover.mesh, &goals, cover.cell.edge(), ratio);
+    let mut quality = measure(&design, &cover.mesh, &goals, cover.cell.edge(), ratio);
+    if matches!(goals.open, Goal::Free) {
+        quality.open_state = Some(measure_open(&design, &cover.mesh, &guides));
+    }
     let shortfalls = quality.shortfalls(&limits(job));
     if !shortfalls.is_empty() {
         return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
@@ -156,12 +174,15 @@ fn farthest(design: &Design, goals: &Goals) -> Point3 {
     far.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(Point3::origin(), |(_, p)| p)
 }
 
-/// A design in the coordinates in which it will be cut, without the checks of its cuts.
+/// A design in the coordinates in which it will be cut, if it is cut, without the checks of its cuts.
 ///
 /// # Errors
 /// Those of [`design()`], hinges without room for their ligaments, or a part larger than the stock.
 pub fn placed_design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let mut designed = design(job, clock)?;
+    if designed.design.sheet_state.is_none() {
+        return Ok(designed);
+    }
     let profile = &job.fabrication.profile;
     let lengths = ligament_lengths(&designed.design, profile)?;
     designed.design = place_on_sheet(&designed.design, profile, &lengths)?;
@@ -187,6 +208,10 @@ pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
 /// Those of the job file and its meshes, to tell files of one design from others'.
 pub fn source_hashes(job: &Job, job_file: &Path) -> BTreeMap<String, String> {
     let files = std::iter::once(job_file).chain(job.target.meshes());
-    let named: Vec<(&str, &Path)> = ["job", "target", "closed-target"].into_iter().zip(files).collect();
+    let mut named: Vec<(&str, &Path)> = ["job", "target", "closed-target"].into_iter().zip(files).collect();
+    let guides = job.guides.iter().flat_map(|guide| guide.files());
+    let names: Vec<(String, &Path)> =
+        guides.enumerate().map(|(i, file)| (format!("guide-curve-{}", i + 1), file)).collect();
+    named.extend(names.iter().map(|(name, file)| (name.as_str(), *file)));
     fingerprints(&named)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::results::{Results, WriteError, write_timings};
-use super::{Failure, Optimisation, events, interrupt, partial, print};
+use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
 use crate::job::{Job, read_job};
 use crate::memory;
 use crate::output::folder::{FILE_NAMES, OutputFolder};
@@ -136,7 +136,8 @@ fn figures(made: &Made) -> Vec<(String, String)> {
         ("hinge angles", format!("{least:.1} to {most:.1} deg")),
         ("largest tilt", format!("{tilt:.1} deg")),
     ];
-    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+    let rows = rows.into_iter().map(|(label, value)| (label.to_owned(), value));
+    rows.chain(open_state::figures(quality)).collect()
 }
 
 fn summary(name: &str, made: &Made, folder: &Path, unused_partial: bool) -> String {

@@ -45,3 +45,5 @@ pub mod improve;
 pub mod validity;
 
 pub mod filled;
+
+pub mod guides;

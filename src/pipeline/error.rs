@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::guides::GuideError;
 use crate::fabrication::error::FabricationError;
 use crate::geometry::flatten::FlattenError;
 use crate::geometry::read::ReadMeshError;
@@ -65,6 +66,8 @@ pub enum PipelineError {
     )]
     Shortfall { shortfalls: Vec<Shortfall>, at: Point3 },
     #[error(transparent)]
+    Guide(#[from] GuideError),
+    #[error(transparent)]
     Invalid(#[from] Invalid),
     #[error(transparent)]
     Fabrication(#[from] FabricationError),
@@ -86,7 +89,7 @@ impl PipelineError {
     /// Whether the input is faulty (exit status 1), rather than sound but not makeable (2).
     pub fn is_bad_input(&self) -> bool {
         match self {
-            Self::Read(_) | Self::Triangulate { .. } | Self::Journal(_) => true,
+            Self::Read(_) | Self::Guide(_) | Self::Triangulate { .. } | Self::Journal(_) => true,
             Self::Topology { source, .. } => !matches!(
                 source.defect,
                 Defect::Closed { .. }

@@ -16,6 +16,8 @@ use crate::kirigami::feasibility::{EASY_RATIO, MOST_STRETCH_RATIO};
 pub(super) struct TargetMesh {
     /// Its file.
     pub path: PathBuf,
+    /// Millimetres per unit of the file.
+    pub scale: f64,
     /// The triangulated surface, a disk.
     pub mesh: TriMesh,
     /// The face of the file, counted from 0, that each triangle is part of.
@@ -57,7 +59,7 @@ pub(super) fn read_targets(target: &job::Target) -> Result<Targets, PipelineErro
             |vertex: &usize| surface.vertex_of.binary_search(vertex).expect("boundary vertices are used");
         let cycle = disk.boundary.iter().map(number).collect();
         let Surface { mesh, face_of, .. } = surface;
-        Ok::<_, PipelineError>(TargetMesh { path: path.to_owned(), mesh, face_of, cycle })
+        Ok::<_, PipelineError>(TargetMesh { path: path.to_owned(), scale, mesh, face_of, cycle })
     };
     Ok(Targets {
         closed: match closed {

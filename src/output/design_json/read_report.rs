@@ -83,6 +83,7 @@ pub fn parse_report(bytes: &[u8]) -> Option<Origin> {
     let figure = |key: &str| report.figures.get(key).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     let quality = Quality {
         fits: Vec::new(),
+        open_state: None,
         e_isom: figure("e_isom"),
         max_length_error: figure("max_length_error"),
         planarity: figure("planarity"),
