@@ -10,6 +10,7 @@ mod fabricate;
 mod import;
 mod interrupt;
 mod make;
+mod open_state;
 mod partial;
 mod progress;
 mod results;

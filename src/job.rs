@@ -17,10 +17,13 @@ use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
 
+mod guide;
+
 mod read;
 
 mod solver;
 
+pub use guide::{Guide, GuideWay};
 pub use solver::Solver;
 
 /// A checked job: paths are absolute, numbers finite and in range.
@@ -30,6 +33,8 @@ pub struct Job {
     pub folder: PathBuf,
     /// The surfaces.
     pub target: Target,
+    /// What a free open state is to come near.
+    pub guides: Vec<Guide>,
     /// The cut pattern.
     pub pattern: Pattern,
     /// How the sheet is made.
@@ -168,10 +173,11 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 13] = [
+pub const DEFAULTS: [(&str, &str); 14] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
+    ("guide.weight", "1.0"),
     ("pattern.stretches", "[1.41421356, 1.41421356]"),
     ("pattern.boundary", "\"glide\" where the outline has four corners, else \"trimmed\""),
     ("pattern.gap_mm", "the profile's ligament width plus kerf"),

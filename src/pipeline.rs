@@ -4,6 +4,8 @@ mod clock;
 
 mod error;
 
+mod guides;
+
 mod meshed;
 
 mod predict;
@@ -20,8 +22,9 @@ use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
 use crate::job::{Cuts, Grid, Job, Opening};
-use crate::kirigami::control_mesh::Goals;
+use crate::kirigami::control_mesh::{Goal, Goals};
 use crate::kirigami::design::{Design, State};
+use crate::kirigami::guides::measure_open;
 use crate::kirigami::hinges;
 use crate::kirigami::levels::{Climb, Level, Reached};
 use crate::kirigami::pattern::{Pattern, initial_pattern};
@@ -31,11 +34,13 @@ use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
 use crate::solver::Report;
+use guides::read_guides;
 use stage1::{Aims, Begun, begin};
 use surfaces::read_targets;
 
 pub use clock::{Clock, Event, Progress, Timings, Watch};
 pub use error::{Partial, PipelineError};
+pub use guides::GuideError;
 pub use predict::{Prediction, predict};
 
 /// Piece polygons must be at least this many hinge gaps wide, so that ligaments and slits find room.
@@ -73,7 +78,8 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
     clock.go_on(|| Some(reached("fabrication", &designed.design, clock)))?;
     let Quality { asked_edge, stretch_ratio, .. } = designed.quality;
     let goals = designed.aims.goals();
-    let quality = measure(product.design(), &designed.mesh, &goals, asked_edge, stretch_ratio);
+    let measured = measure(product.design(), &designed.mesh, &goals, asked_edge, stretch_ratio);
+    let quality = Quality { open_state: designed.quality.open_state, ..measured };
     Ok(Made { product, quality, stages: designed.stages })
 }
 
@@ -83,6 +89,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
 /// A mesh that cannot be used, a target that cannot be reached.
 pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let targets = clock.run("read", |_| read_targets(&job.target))?;
+    let closed_scale = targets.closed.as_ref().map(|closed| closed.scale);
     clock.go_on(|| None)?;
     let Begun { mut levels, layouts, aims, ratio, reports: reports1 } =
         clock.run("stage-1", |_| begin(job, targets))?;
@@ -91,6 +98,14 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         memory::check(levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
     }
     let goals = aims.goals();
+    let guides = match (closed_scale, goals.closed.target()) {
+        (Some(scale), Some(closed)) => {
+            let [a, b] = levels[levels.len() - 1].cover.cell.closed;
+            read_guides(&job.guides, scale, closed, a.max(b))?
+        }
+        _ => Vec::new(),
+    };
+    let goals = Goals { guides: &guides, ..goals };
     let climb = Climb {
         levels: &levels,
         layouts: &layouts,
@@ -102,7 +117,10 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     let (pattern, [reports2, reports3]) = optimise(&climb, clock)?;
     let Level { cover, gap } = levels.pop().expect("at least one level");
     let design = hinges::design(&cover.mesh, &pattern, gap, goals.sheet_state());
-    let quality = measure(&design, &cover.mesh, &goals, cover.asked_edge, ratio);
+    let mut quality = measure(&design, &cover.mesh, &goals, cover.asked_edge, ratio);
+    if matches!(goals.open, Goal::Free) {
+        quality.open_state = Some(measure_open(&design, &cover.mesh, &guides));
+    }
     let shortfalls = quality.shortfalls(&limits(job));
     if !shortfalls.is_empty() {
         return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
@@ -199,5 +217,9 @@ pub fn source_hashes(job: &Job, job_file: &Path) -> BTreeMap<String, String> {
             named.push(("cuts", cuts));
         }
     }
+    let guides = job.guides.iter().flat_map(|guide| guide.files());
+    let names: Vec<(String, &Path)> =
+        guides.enumerate().map(|(i, file)| (format!("guide-curve-{}", i + 1), file)).collect();
+    named.extend(names.iter().map(|(name, file)| (name.as_str(), *file)));
     fingerprints(&named)
 }

@@ -229,6 +229,10 @@ fn find_key<'t>(table: &'t DeTable<'_>, position: usize, path: &mut Vec<&'t str>
         // A table's own span is its header only, so its keys are searched in any case.
         let inside = match value.get_ref() {
             DeValue::Table(inner) => find_key(inner, position, path),
+            // An array of tables: its keys have the array's path.
+            DeValue::Array(items) => items
+                .iter()
+                .any(|item| item.get_ref().as_table().is_some_and(|inner| find_key(inner, position, path))),
             _ => false,
         };
         if inside || value.span().contains(&position) || key.span().contains(&position) {

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::progress::{Reporter, Reporting};
-use super::{Failure, Optimisation, events, interrupt, partial, print};
+use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
 use crate::job::read_job;
 use crate::kirigami::feasibility::{Feasibility, Verdict};
 use crate::memory;
@@ -100,13 +100,14 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     } else if !options.reporting.quiet {
         let (pieces, hinges) = (designed.design.pieces.len(), designed.design.hinges.len());
         let quality = &designed.quality;
-        print(&format!(
-            "{name}: designed, {pieces} pieces and {hinges} hinges; off the target {:.3} mm, length error {:.1e}\n\
-             Design in {}\n",
-            quality.distance_max,
-            quality.max_length_error,
-            file.display()
-        ));
+        let mut text = format!(
+            "{name}: designed, {pieces} pieces and {hinges} hinges; off the target {:.3} mm, length error {:.1e}\n",
+            quality.distance_max, quality.max_length_error,
+        );
+        for (label, value) in open_state::figures(quality) {
+            text += &format!("  {label}: {value}\n");
+        }
+        print(&format!("{text}Design in {}\n", file.display()));
     }
     Ok(())
 }

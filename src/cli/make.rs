@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::results::{Results, WriteError, file_names, no_cut_file, write_timings};
-use super::{Failure, Optimisation, events, interrupt, partial, print};
+use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
 use crate::fabrication::product::Product;
 use crate::job::{Job, read_job};
 use crate::kirigami::design::State;
@@ -147,7 +147,8 @@ fn figures(made: &Made) -> Vec<(String, String)> {
         ("hinge angles", format!("{least:.1} to {most:.1} deg")),
         ("largest tilt", format!("{tilt:.1} deg")),
     ]);
-    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
+    let rows = rows.into_iter().map(|(label, value)| (label.to_owned(), value));
+    rows.chain(open_state::figures(quality)).collect()
 }
 
 /// How the design fits its targets: one column, or where both states have a target one for each.

@@ -24,11 +24,7 @@ impl RigidMotion {
         for (p, q) in from.iter().zip(to) {
             covariance += (q.coords - end) * (p.coords - start).transpose();
         }
-        let svd = covariance.svd(true, true);
-        let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
-        // Singular values come in descending order: a mirror is undone along the least direction.
-        let sign = (u * v_t).determinant().signum();
-        let rotation = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t;
+        let rotation = nearest_rotation(&covariance);
         Self { rotation, translation: end - rotation * start }
     }
 
@@ -42,6 +38,15 @@ impl RigidMotion {
         let rotation = self.rotation.transpose();
         Self { rotation, translation: -(rotation * self.translation) }
     }
+}
+
+/// The proper rotation nearest to a matrix, entry by entry.
+pub fn nearest_rotation(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+    let svd = matrix.svd(true, true);
+    let (u, v_t) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
+    // Singular values come in descending order: a mirror is undone along the least direction.
+    let sign = (u * v_t).determinant().signum();
+    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * v_t
 }
 
 /// Axis (unit) and angle (0 to pi) of a proper rotation: counter-clockwise by the angle seen against the

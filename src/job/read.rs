@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::guide::{RawGuide, guides};
 use super::solver::{RawSolver, solver};
 use super::{
     Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Opening, Pattern, PatternFile, PieceSize,
@@ -52,6 +53,8 @@ type Pair<T> = Spanned<Vec<Spanned<T>>>;
 #[serde(deny_unknown_fields)]
 struct RawJob {
     target: RawTarget,
+    #[serde(default)]
+    guide: Vec<Spanned<RawGuide>>,
     pattern: Spanned<RawPattern>,
     fabrication: RawFabrication,
     #[serde(default)]
@@ -104,6 +107,7 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     }
     let raw: RawJob = source.parse()?;
     let target = target(&source, &raw.target, &folder)?;
+    let guides = guides(&source, &raw.guide, &target, &folder)?;
     let kind = kind(&source, raw.pattern.get_ref())?;
     let grid = grid(&source, &raw, &folder)?;
     let stretches = stretches(&source, raw.pattern.get_ref().stretches.as_ref())?;
@@ -114,7 +118,7 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
     let pattern = Pattern { kind, grid, stretches, opening, boundary, gap };
     let solver = solver(&source, &raw.solver, opening)?;
-    Ok(Job { folder, target, pattern, fabrication, solver })
+    Ok(Job { folder, target, guides, pattern, fabrication, solver })
 }
 
 fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target, TomlError> {
@@ -165,7 +169,11 @@ fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target,
 }
 
 /// The absolute path of a mesh file that exists.
-fn mesh_path(source: &TomlSource, value: &Spanned<String>, folder: &Path) -> Result<PathBuf, TomlError> {
+pub(super) fn mesh_path(
+    source: &TomlSource,
+    value: &Spanned<String>,
+    folder: &Path,
+) -> Result<PathBuf, TomlError> {
     let path = folder.join(value.get_ref());
     let found = std::fs::metadata(&path);
     let what = match &found {

@@ -1,6 +1,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::*;
+use crate::geometry::Point3;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
 
@@ -92,8 +93,10 @@ fn a_job_that_says_everything() {
 fn keys_left_out_have_their_documented_defaults() {
     let folder = Folder::new("defaults");
     let mut shortest = JOB.to_owned();
-    // The closed target's own size needs two meshes.
-    for (key, _) in DEFAULTS.into_iter().filter(|(key, _)| *key != "target.closed_size_mm") {
+    // The closed target's own size needs two meshes, a weight its guide.
+    for (key, _) in
+        DEFAULTS.into_iter().filter(|(key, _)| !["target.closed_size_mm", "guide.weight"].contains(key))
+    {
         let name = key.rsplit('.').next().unwrap();
         folder.read(&with(name, "")).unwrap_or_else(|error| panic!("{key}: {error}"));
         shortest = shortest.lines().filter(|line| !line.starts_with(name)).collect::<Vec<_>>().join("\n");
@@ -109,6 +112,40 @@ fn keys_left_out_have_their_documented_defaults() {
     for key in ["open", "closed", "kind", "profile", "pieces"] {
         let found = folder.diagnostic(&with(key, ""));
         assert!(found.message.contains(key), "{found}");
+    }
+}
+
+#[test]
+fn guides_are_read_and_those_that_contradict_themselves_are_refused() {
+    let folder = Folder::new("guides");
+    let free = JOB.replace("open = \"roof.obj\"", "open = \"free\"");
+    let free = free.replace("closed = \"flat\"", "closed = \"roof.obj\"");
+    let read = |guide: &str| folder.read(&format!("{free}\n[[guide]]\n{guide}"));
+    let way = |guide: &str| read(guide).unwrap().guides[0].way.clone();
+    let (place, end) = (Point3::new(1.0, 2.0, -3.5), Point3::new(0.0, 0.5, 9.0));
+    let point = GuideWay::Point { closed: place, open: end };
+    assert_eq!(way("closed = [1.0, 2.0, -3.5]\nopen = [0.0, 0.5, 9.0]\nweight = 2.0"), point);
+    assert_eq!(
+        way("closed = [1.0, 2.0, -3.5]\nfixed = true"),
+        GuideWay::Point { closed: place, open: place }
+    );
+    let file = folder.0.join("roof.obj");
+    let curve = GuideWay::Curve { closed: file.clone(), open: file };
+    assert_eq!(way("closed_curve = \"roof.obj\"\nfixed = true"), curve);
+    assert_eq!(way("closed_curve = \"roof.obj\"\nopen_curve = \"roof.obj\""), curve);
+    assert_eq!(read("closed = [1, 2, 3]\nfixed = true").unwrap().guides[0].weight, 1.0);
+    for (guide, says) in [
+        ("closed = [1, 2, 3]\nopen = [1, 2, 3]\nfixed = true", "do not go together"),
+        ("closed = [1, 2, 3]\nopen_curve = \"roof.obj\"", "do not go together"),
+        ("closed = [1, 2, 3]\nclosed_curve = \"roof.obj\"\nfixed = true", "both closed and closed_curve"),
+        ("closed = [1, 2, 3]\nfixed = true\nweight = 1001.0", "guide.weight = 1001.0 is out of range"),
+        ("closed = [1, 2, nan]\nfixed = true", "not a finite number"),
+        ("place = [1, 2, 3]", "unknown key"),
+    ] {
+        match read(guide) {
+            Err(JobError::Job(TomlError::Invalid(found))) if found.message.contains(says) => {}
+            other => panic!("{guide}: {other:?}"),
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 use super::cover::Cover;
 use super::design::State;
+use super::guides::Guide;
 use crate::geometry::boundary::BoundaryCurve;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::TriMesh;
@@ -86,12 +87,14 @@ pub struct Goals<'a> {
     pub closed: Goal<'a>,
     /// The open state.
     pub open: Goal<'a>,
+    /// What guides an open state that is free.
+    pub guides: &'a [Guide],
 }
 
 impl<'a> Goals<'a> {
     /// A flat closed sheet that opens to a surface, border to boundary.
     pub fn opening(target: &'a Target) -> Self {
-        Self { closed: Goal::Plane, open: Goal::Surface { target, outline: true } }
+        Self { closed: Goal::Plane, open: Goal::Surface { target, outline: true }, guides: &[] }
     }
 
     /// That of a state.

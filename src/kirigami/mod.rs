@@ -47,3 +47,5 @@ pub mod validity;
 pub mod mirror;
 
 pub mod filled;
+
+pub mod guides;

@@ -1,7 +1,9 @@
 //! The terms of Stage 3 over the unknowns of a pattern.
 
+use super::control_mesh::Goal;
 use super::cover::Cover;
 use super::design::State;
+use super::guides::guide_terms;
 use super::pattern::{Pattern, Unknowns};
 use super::piece_mesh::{Edge, PieceMesh};
 use super::stage2::held;
@@ -25,16 +27,22 @@ const LEAST_WIDTH: f64 = 0.25;
 /// Weight of the steps between the hinge points of a closed corner in space: they are to be no larger than needed.
 const LEVEL: f64 = 1.0;
 
+/// Where the open state is free its fairness is phased out with the other soft terms, from this part of its weight on.
+const FREE_FAIR: f64 = 0.1;
+
+/// Weight of a guide. Much more, and a single place comes near by a cusp in the sheet.
+const GUIDE: f64 = 0.02;
+
 /// They are also widened up to this many gaps: hinge polygons are up to a gap narrower than their cells, and two gaps
 /// of them must be left.
 const LEAST_WIDTH_IN_GAPS: f64 = 3.0;
 
 /// The terms that decide what isometry leaves free. Those that the weights leave out are not among them; those that a
 /// phase leaves out have weight 0. Where no grid follows the outline border points are held to where they are in
-/// `border`; `coupling` is that of fairness.
+/// `border`; guided places are those that are near the guides `now`. `coupling` is that of fairness.
 pub fn soft_terms<'a>(
     problem: &Problem<'a>,
-    border: &Pattern,
+    [border, now]: [&Pattern; 2],
     at: &Unknowns,
     phase: &Phase,
     coupling: Coupling,
@@ -45,6 +53,9 @@ pub fn soft_terms<'a>(
     let least = LEAST_WIDTH.max(LEAST_WIDTH_IN_GAPS * gap / scale);
     let [fair_closed, fair_open] = fairness(cover, at);
     let full = Coupling::Full;
+    // Where nothing else shapes the open state, fairness must: it stays beside the other soft terms.
+    let free = matches!(problem.goals.open, Goal::Free);
+    let open_fair = if free { phase.fair.max(FREE_FAIR * phase.soft) } else { phase.fair };
     // Widths are zero at a good solution: no need to phase them out.
     let widths = if phase.soft > 0.0 { 1.0 } else { 0.0 };
     let mut terms: Vec<(Box<dyn Term>, f64, f64, Coupling)> = Vec::new();
@@ -64,8 +75,13 @@ pub fn soft_terms<'a>(
         ),
         (Box::new(LeastWidths::new(piece_corners(mesh, at), least)), weights.widths, widths, full),
         (Box::new(fair_closed), weights.fair, phase.fair, coupling),
-        (Box::new(fair_open), weights.fair, phase.fair, coupling),
+        (Box::new(fair_open), weights.fair, open_fair, coupling),
     ]);
+    let guides = guide_terms(problem.goals.guides, mesh, at, now, scale);
+    terms.extend(guides.into_iter().map(|(term, weight)| {
+        let term: Box<dyn Term> = Box::new(term);
+        (term, GUIDE * weight, phase.soft, full)
+    }));
     let lifts: Vec<_> = (0..mesh.corner_count).filter_map(|c| at.lift(c)).collect();
     if !lifts.is_empty() {
         let level = |start| vec![(PointAt { start, dimension: 1 }, 1.0)];

@@ -5,6 +5,7 @@
 use super::control_mesh::{Goal, Goals, Target};
 use super::design::{Design, State};
 use super::filled::{closed_surface, open_surface};
+use super::guides::OpenState;
 use super::piece_mesh::PieceMesh;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
@@ -45,6 +46,8 @@ pub struct Quality {
     pub area_expansion: f64,
     /// Largest over smallest stretch of the target's conformal flattening.
     pub stretch_ratio: f64,
+    /// What the open state covers, where it has no target. The pipeline measures it: it knows the guides.
+    pub open_state: Option<OpenState>,
 }
 
 /// How a state fits its target, millimetres; see [`Quality`].
@@ -147,6 +150,7 @@ pub fn measure(
         asked_edge,
         area_expansion: areas[1] / areas[0],
         stretch_ratio,
+        open_state: None,
     }
 }
 
@@ -188,6 +192,7 @@ pub fn measure_alone(design: &Design) -> Quality {
         asked_edge: f64::NAN,
         area_expansion: f64::NAN,
         stretch_ratio: f64::NAN,
+        open_state: None,
     }
 }
 

@@ -5,6 +5,7 @@
 
 use super::control_mesh::Goals;
 use super::cover::Cover;
+use super::guides::settle;
 use super::pattern::{Pattern, Unknowns};
 use super::pattern_terms::{hard_terms, soft_terms};
 use crate::solver::{Coupling, Options, Precision, Report, Run, Step, System, Termination};
@@ -162,12 +163,15 @@ pub fn stage3(
     let mut reports = Vec::new();
     for (number, phase) in regime.phases.iter().enumerate() {
         pattern.turn_offsets(mesh, gap);
+        if phase.soft > 0.0 {
+            settle(goals.guides, mesh, &mut pattern);
+        }
         // Fully coupled soft terms make the factor several times as costly: do without where they have no weight.
         let alone = phase.soft == 0.0 && regime.coupling == Coupling::Full;
         let terms = || {
             let mut terms = hard_terms(mesh, &at, &pattern, scale);
             if !alone {
-                terms.extend(soft_terms(problem, border, &at, phase, regime.coupling));
+                terms.extend(soft_terms(problem, [border, &pattern], &at, phase, regime.coupling));
             }
             terms
         };

@@ -6,6 +6,8 @@
 
 mod control_face;
 
+mod guided;
+
 mod piece;
 
 mod pull;
@@ -23,6 +25,7 @@ mod ideal_cells;
 mod tests;
 
 pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};
+pub use guided::Guided;
 pub use piece::{ClosedVertex, Isometry, PieceAt, Planarity};
 pub use pull::Pull;
 pub use shape::{Lengths, LinearTerm, RightAngles};

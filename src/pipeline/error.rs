@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::guides::GuideError;
 use crate::fabrication::error::FabricationError;
 use crate::geometry::flatten::FlattenError;
 use crate::geometry::read::ReadMeshError;
@@ -94,6 +95,8 @@ pub enum PipelineError {
     )]
     Shortfall { shortfalls: Vec<Shortfall>, at: Point3 },
     #[error(transparent)]
+    Guide(#[from] GuideError),
+    #[error(transparent)]
     Invalid(#[from] Invalid),
     #[error(transparent)]
     Fabrication(#[from] FabricationError),
@@ -116,6 +119,7 @@ impl PipelineError {
     pub fn is_bad_input(&self) -> bool {
         match self {
             Self::Read(_)
+            | Self::Guide(_)
             | Self::Triangulate { .. }
             | Self::FoldedMap { .. }
             | Self::Journal(_)

@@ -58,7 +58,7 @@ pub(super) struct Aims {
 
 impl Aims {
     pub fn goals(&self) -> Goals<'_> {
-        Goals { closed: self.closed.goal(), open: self.open.goal() }
+        Goals { closed: self.closed.goal(), open: self.open.goal(), guides: &[] }
     }
 }
 

@@ -16,14 +16,14 @@ use crate::kirigami::feasibility::{EASY_RATIO, MOST_STRETCH_RATIO};
 pub(super) struct TargetMesh {
     /// Its file.
     pub path: PathBuf,
+    /// Millimetres per unit of the file.
+    pub scale: f64,
     /// The triangulated surface, a disk.
     pub mesh: TriMesh,
     /// The face of the file, counted from 0, that each triangle is part of.
     pub face_of: Vec<usize>,
     /// The boundary loop, the surface on the left.
     pub cycle: Vec<usize>,
-    /// Millimetres per unit of the file.
-    pub scale: f64,
 }
 
 /// The meshes that a job names.

@@ -184,7 +184,11 @@ impl Problem {
 
     fn goals(&self) -> Goals<'_> {
         let surface = |target| Goal::Surface { target, outline: true };
-        Goals { closed: self.closed.as_ref().map_or(Goal::Plane, surface), open: surface(&self.open) }
+        Goals {
+            closed: self.closed.as_ref().map_or(Goal::Plane, surface),
+            open: surface(&self.open),
+            guides: &[],
+        }
     }
 }
 
@@ -258,7 +262,7 @@ fn third(
     for &(steps, factor, fair) in &course.soft {
         let phase = Phase { soft: factor, fair, options: course.options(steps, Precision::Single, 1e-4) };
         let mut terms = hard_terms(&cover.mesh, &at, &pattern, 1.0);
-        terms.extend(soft_terms(&stage3, &start, &at, &phase, course.coupling));
+        terms.extend(soft_terms(&stage3, [&start; 2], &at, &phase, course.coupling));
         let report = minimize(&mut system, terms, &mut x, &phase.options);
         // A later phase begins where the one before it ended: that row is known.
         soft.extend(energies(&report).split_off(usize::from(!soft.is_empty())));

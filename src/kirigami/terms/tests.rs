@@ -2,6 +2,7 @@ use super::*;
 use crate::geometry::Point3;
 use crate::geometry::mesh::TriMesh;
 use crate::kirigami::control_mesh::Target;
+use crate::kirigami::guides::GuideAim;
 use crate::solver::Term;
 use crate::solver::derivative_check::largest_jacobian_error;
 
@@ -56,7 +57,14 @@ fn jacobians_agree_with_differences() {
     let inner =
         |d: usize, s: usize| Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), Some(at(s + 3 * d, d)));
     let border = |d: usize, s: usize| Diagonals::new(at(s, d), at(s + d, d), at(s + 2 * d, d), None);
+    let aims = [
+        GuideAim::Point(Point3::new(1.0, -2.0, 0.3)),
+        GuideAim::Curves(vec![vec![Point3::new(-5.0, -4.0, 0.3), Point3::new(6.0, 3.0, 2.0)]]),
+    ];
+    let mean = ([at(0, 3), at(6, 3), at(30, 3)], [0.2, 0.9, -0.1]);
     let mut terms: Vec<Box<dyn Term + '_>> = vec![
+        Box::new(Guided::new([mean], &aims[0], 2.0)),
+        Box::new(Guided::new([mean], &aims[1], 2.0)),
         Box::new(LinearTerm::new("fair", 3, &[vec![(at(0, 3), 1.0), (at(3, 3), -2.5), (at(9, 3), 1.5)]])),
         Box::new(OrthogonalDiagonals::new([inner(2, 0), inner(3, 8), border(2, 0), border(3, 8)])),
         Box::new(CellDimensions::new([(inner(3, 0), inner(3, 12))], 0.7, 0.0)),

@@ -100,6 +100,7 @@ pub fn parse_report(bytes: &[u8]) -> Option<Origin> {
     let quality = Quality {
         fits: [State::Closed, State::Open].into_iter().filter_map(fit).collect(),
         closed_step_max: figure("closed_step_max_mm"),
+        open_state: None,
         e_isom: figure("e_isom"),
         max_length_error: figure("max_length_error"),
         planarity: figure("planarity"),

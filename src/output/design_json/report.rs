@@ -5,8 +5,11 @@ use std::path::Path;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
+use serde_json::{Value, json};
+
 use super::{DesignFile, Stage, WriteDesignError, state_name};
 use crate::kirigami::design::{Design, State};
+use crate::kirigami::guides::{OpenState, Reach};
 use crate::kirigami::quality::{Fit, Quality};
 use crate::kirigami::rigidity;
 use crate::output::json_rows::write_rows;
@@ -90,6 +93,12 @@ pub(super) fn check(file: &DesignFile) -> Result<(), WriteDesignError> {
             finite(value, &|| format!("report.{}.{key}", state_name(*state)))?;
         }
     }
+    if let Some(open) = &file.quality.open_state {
+        finite(open.area, &|| "report.open_state.area_mm2".into())?;
+        for (i, guide) in open.guides.iter().enumerate() {
+            finite(guide.distance + guide.mean_distance, &|| format!("report.guides, guide {i}"))?;
+        }
+    }
     finite(rigid_residual(file.design), &|| "report.rigid_residual".into())?;
     finite(file.max_strain.unwrap_or(0.0), &|| "report.max_strain".into())?;
     for stage in file.stages {
@@ -118,6 +127,10 @@ pub(super) fn write(file: &DesignFile, out: &mut impl Write) -> io::Result<()> {
     for state in [State::Closed, State::Open] {
         write_entry(out, state_name(state), &fit_object(file.quality, state))?;
     }
+    if let Some(open) = &file.quality.open_state {
+        write_entry(out, "open_state", &covered(open))?;
+        write_entry(out, "guides", &open.guides.iter().map(reach).collect::<Vec<_>>())?;
+    }
     write_entry(out, "rigid_residual", &rigid_residual(file.design))?;
     write_entry(out, "max_strain", &file.max_strain)?;
     write_entry(out, "pieces", &file.design.pieces.len())?;
@@ -129,6 +142,22 @@ pub(super) fn write(file: &DesignFile, out: &mut impl Write) -> io::Result<()> {
         write!(out, "\n      }}")?;
     }
     write!(out, "{}]\n  }}", if file.stages.is_empty() { "" } else { "\n    " })
+}
+
+/// What an open state without a target covers.
+fn covered(open: &OpenState) -> Value {
+    let [low, high] = open.bounds.map(|p| [p.x, p.y, p.z]);
+    json!({ "area_mm2": open.area, "low_mm": low, "high_mm": high })
+}
+
+/// How near a guide was reached.
+fn reach(guide: &Reach) -> Value {
+    json!({
+        "kind": if guide.curve { "curve" } else { "point" },
+        "places": guide.places,
+        "distance_mm": guide.distance,
+        "mean_distance_mm": guide.mean_distance,
+    })
 }
 
 /// How far the least rigid piece is from rigid, in mean sides of the pieces.

@@ -124,7 +124,7 @@ impl Problem {
         if which != Terms::Hard {
             let problem = stage3::Problem { cover, goals: Goals::opening(target), gap: GAP, weights };
             let phase = Phase { soft: 1.0, fair: 1.0, options: fixed(1) };
-            terms.extend(soft_terms(&problem, start, &at, &phase, coupling));
+            terms.extend(soft_terms(&problem, [start; 2], &at, &phase, coupling));
         }
         terms
     }
