@@ -190,9 +190,12 @@ fn sides(plan: &Plan<'_>, design: &Design, corner: usize, notch: Point) -> Vec<S
     let middle = plan.frames[corner].middle;
     let fan = &plan.topology.fans[corner];
     let count = fan.edges.len();
+    let far = |edge: usize| plan.frames[plan.topology.edges[edge].far(corner)].middle;
+    let [leaves, arrives] = [fan.edges[0], fan.edges[count - 1]].map(|edge| far(edge) - middle);
+    let narrow = leaves.dot(arrives) > 0.0;
     let towards = |edge: usize| match plan.topology.edges[edge].right {
-        Some(_) => plan.frames[plan.topology.edges[edge].far(corner)].middle,
-        None => notch,
+        None if narrow => notch,
+        _ => far(edge),
     };
     let side = |(i, &edge): (usize, &usize)| {
         let hinge = plan.topology.edges[edge].hinge_at(corner)?;
@@ -204,8 +207,7 @@ fn sides(plan: &Plan<'_>, design: &Design, corner: usize, notch: Point) -> Vec<S
             offset.normalize()
         } else {
             let across = -(ends[1] - ends[0]).normalize().turn_90();
-            let far = plan.frames[plan.topology.edges[edge].far(corner)].middle;
-            if across.dot(far - middle) < 0.0 { -across } else { across }
+            if across.dot(far(edge) - middle) < 0.0 { -across } else { across }
         };
         let half_bar = 0.5 * (plan.lengths[hinge] - plan.kerf);
         let least = (offset.length() - 0.5 * plan.gap).max(0.0);
@@ -335,8 +337,10 @@ mod tests {
     fn cuts_may_end_where_four_or_more_pieces_meet() {
         let profile = profile();
         let kerf = profile.laser.kerf;
-        // Four and five pieces, hinged at the first inner spoke or at the second, around narrow wedges.
-        for (n, first, wedge) in [(4, 1, 30.0), (4, 0, 30.0), (5, 1, 38.0), (5, 0, 38.0), (6, 1, 30.0)] {
+        // Four and five pieces, hinged at the first inner spoke or at the second, around narrow wedges and at a straight border.
+        for (n, first, wedge) in
+            [(4, 1, 30.0), (4, 0, 30.0), (5, 1, 38.0), (5, 0, 38.0), (6, 1, 30.0), (4, 1, 180.0)]
+        {
             let design = star(n, (360.0_f64 - wedge).to_radians(), 0.5 * profile.hinge_gap(), first);
             let lengths = vec![0.9; design.hinges.len()];
             let (set, _) = cuts_of(&design, &profile, &lengths).unwrap();
