@@ -281,7 +281,7 @@ pub enum FabricationError {
     /// Two pieces that only meet at a corner overlap in the other state.
     #[error(
         "pieces {pieces:?}, which meet at corner {corner} at ({x:.2}, {y:.2}) mm, overlap by {area:.4} mm² in the \
-         {state} state: their hinges turn too far there"
+         {state} state: their hinges turn too far there; let the target stretch less at that place, or take larger pieces"
     )]
     CornerCollision {
         /// The pieces.

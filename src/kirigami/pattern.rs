@@ -3,7 +3,8 @@
 //! The unknowns are the corner midpoints of the closed sheet and one open point per edge: the hinge that the edge
 //! carries, shared by its two pieces, so that Eq. (8) holds exactly. The two hinges of a closed corner stand `gap`
 //! apart: at the midpoint plus and minus gap/2 along the unit normal of the slit that passes between them, in the
-//! sheet's surface. A flat state has z = 0, and two unknowns per point.
+//! sheet's surface. Where more slits meet the hinges of a corner stand farther out ([`hinge_offsets`]). A flat state
+//! has z = 0, and two unknowns per point.
 
 use super::control_mesh::{ControlMesh, Goals};
 use super::cover::Cover;
@@ -57,27 +58,77 @@ fn hinge_rises(mesh: &PieceMesh, corners: &[Point3]) -> Vec<Vector3> {
     rises
 }
 
-/// Offsets of the closed hinge points: half the gap along the normal of the slit that passes the hinge's
-/// corner, towards the edge's other end. Zero where no slit passes.
+/// How far the straight side of a junction should reach on either side of a hinge, in gaps: enough for ligaments up to
+/// two and a half gaps long, that is at a steel sheet's 0.55 mm for 1.4 mm and 125 degrees.
+const JUNCTION_REACH: f64 = 1.5;
+
+/// Offsets of the closed hinge points: along the normal of the slit that passes the hinge's corner, towards the
+/// edge's other end. Zero where no slit passes.
+///
+/// Half the gap, and where slits meet at angles so much more ([`junction_radius`]) that each ligament there has a
+/// straight cut behind it, as everywhere else.
 pub fn hinge_offsets(mesh: &PieceMesh, corners: &[Point3], gap: f64) -> Vec<Vector3> {
-    (0..mesh.edges.len())
-        .map(|e| {
-            let edge = &mesh.edges[e];
-            let corner = edge.hinge_corner;
-            let (before, after) = mesh.fans[corner].neighbours(mesh.fan_position(corner, e));
-            let passes = [before, after].into_iter().flatten().any(|n| !mesh.edges[n].is_border());
-            if !passes || gap == 0.0 {
-                return Vector3::zeros();
-            }
-            let end =
-                |n: Option<usize>| n.map_or(corners[corner], |n| corners[mesh.edges[n].other_end(corner)]);
-            let along = end(after) - end(before);
-            let across = sheet_normal(mesh, corners, corner).cross(&along);
-            let normal = across.try_normalize(0.0).unwrap_or_default();
-            let outwards = corners[edge.other_end(corner)] - corners[corner];
-            normal * (0.5 * gap * normal.dot(&outwards).signum())
-        })
-        .collect()
+    let normals: Vec<Vector3> =
+        (0..mesh.edges.len()).map(|e| passing_normal(mesh, corners, e).unwrap_or_default()).collect();
+    let radii: Vec<f64> = (0..mesh.fans.len())
+        .map(|corner| if gap == 0.0 { 0.0 } else { junction_radius(mesh, &normals, corner, gap) })
+        .collect();
+    let offset = |(edge, normal): (&Edge, &Vector3)| {
+        let corner = edge.hinge_corner;
+        // The free vertices beside the end of a cut stay there: their pieces end in a point between slit and cut.
+        let end_of_cut = edge.is_border() && mesh.fans[corner].edges.len() > 4;
+        if end_of_cut { Vector3::zeros() } else { normal * (0.5 * gap + radii[corner]) }
+    };
+    mesh.edges.iter().zip(&normals).map(offset).collect()
+}
+
+/// The unit normal of the slit that passes an edge's hinge, in the sheet, towards the edge's other end; `None` where
+/// no slit passes.
+fn passing_normal(mesh: &PieceMesh, corners: &[Point3], e: usize) -> Option<Vector3> {
+    let edge = &mesh.edges[e];
+    let corner = edge.hinge_corner;
+    let fan = &mesh.fans[corner];
+    let (before, after) = fan.neighbours(mesh.fan_position(corner, e));
+    let inside = |n: Option<usize>| n.is_some_and(|n| !mesh.edges[n].is_border());
+    if !inside(before) && !inside(after) {
+        return None;
+    }
+    let arm = |n: usize| corners[mesh.edges[n].other_end(corner)] - corners[corner];
+    let end = |n: Option<usize>| match n {
+        None => Vector3::zeros(),
+        // The two sides of a narrow cut that ends here are one slit.
+        Some(n) if mesh.edges[n].is_border() && fan.edges.len() > 4 => {
+            let [one, other] = [fan.edges[0], fan.edges[fan.edges.len() - 1]].map(arm);
+            if one.dot(&other) > 0.0 { (one + other) * 0.5 } else { arm(n) }
+        }
+        Some(n) => arm(n),
+    };
+    let across = sheet_normal(mesh, corners, corner).cross(&(end(after) - end(before)));
+    let normal = across.try_normalize(0.0)?;
+    Some(normal * normal.dot(&arm(e)).signum())
+}
+
+/// How far from a corner the straight cuts behind its ligaments run: 0 where four pieces surround it.
+///
+/// Where n/2 > 2 slits meet, they end on the corners of a small polygon, of which each ligament has one side. The sides
+/// behind two hinges whose normals are the angle f apart meet radius * tan(f/2) beside their middles, and that must be
+/// [`JUNCTION_REACH`] gaps: at six pieces a triangle with a radius of reach / tan 60 degrees.
+fn junction_radius(mesh: &PieceMesh, normals: &[Vector3], corner: usize, gap: f64) -> f64 {
+    let fan = &mesh.fans[corner];
+    let n = fan.edges.len();
+    if n < 5 || (fan.closed && n < 6) {
+        return 0.0;
+    }
+    let hinged = |&e: &usize| mesh.edges[e].hinge_corner == corner && !mesh.edges[e].is_border();
+    let hinges: Vec<usize> = fan.edges.iter().copied().filter(hinged).collect();
+    let last = if fan.closed { hinges.len() } else { hinges.len().saturating_sub(1) };
+    let radius = |i: usize| {
+        let [a, b] = [hinges[i], hinges[(i + 1) % hinges.len()]].map(|e| normals[e]);
+        // tan(f/2) = |a x b| / (1 + a.b). Opposite normals have one straight cut between them.
+        let across = a.cross(&b).norm();
+        if across > 1e-9 { JUNCTION_REACH * gap * (1.0 + a.dot(&b)) / across } else { 0.0 }
+    };
+    (0..last).map(radius).fold(0.0, f64::max)
 }
 
 /// The unit normal of the closed sheet at a corner: the mean over the corner's fan, weighted by area. +z in the plane.

@@ -64,8 +64,19 @@ pub fn exit_point(plan: &Plan<'_>, corner: usize) -> Option<Point> {
             let square = frame.middle - 0.5 * plan.gap * frame.tangent;
             Some(slit.intersect(other).unwrap_or(square))
         }
-        CornerKind::Inner { .. } | CornerKind::BorderHinge { .. } | CornerKind::Free => None,
+        CornerKind::Inner { .. }
+        | CornerKind::BorderHinge { .. }
+        | CornerKind::Junction
+        | CornerKind::Free => None,
     }
+}
+
+/// Where the border's cut turns back at a corner on which a narrow cut ends: beside the sides of that cut it runs as
+/// beside all others. `None` where the sides are nearly parallel.
+pub fn notch(plan: &Plan<'_>, corner: usize) -> Option<Point> {
+    let fan = &plan.topology.fans[corner];
+    let (leaves, arrives) = (*fan.edges.first()?, *fan.edges.last()?);
+    offset_line(plan, arrives).intersect(offset_line(plan, leaves))
 }
 
 /// The border's vertices at the corner between two consecutive border edges.
@@ -95,7 +106,10 @@ fn corner_vertices(plan: &Plan<'_>, arrives: usize, leaves: usize) -> Vec<PathVe
             }
             points.into_iter().map(straight).collect()
         }
-        CornerKind::Free | CornerKind::Inner { .. } => {
+        CornerKind::Junction if plan.junctions.get(&corner).is_some_and(|junction| !junction.closed) => {
+            along_junction(plan, corner, arrives, leaves).into_iter().map(straight).collect()
+        }
+        CornerKind::Free | CornerKind::Inner { .. } | CornerKind::Junction => {
             free_corner(plan, frame.middle, offset_line(plan, arrives), offset_line(plan, leaves))
         }
     }
@@ -127,6 +141,22 @@ fn border_stretch(plan: &Plan<'_>, corner: usize, edge: usize, foot: Point, hing
         reach = reach.max(bar + plan.gap * (0.5 * turn).tan() + 0.2 * plan.kerf);
     }
     reach.min(limit)
+}
+
+/// The border's vertices along an open junction, against its counter-clockwise sense.
+fn along_junction(plan: &Plan<'_>, corner: usize, arrives: usize, leaves: usize) -> Vec<Point> {
+    let Some(junction) = plan.junctions.get(&corner) else { return Vec::new() };
+    let mut points: Vec<Point> = junction.outline.iter().rev().copied().collect();
+    // Beside a slit that runs out here the border's line comes up to the slit's end.
+    let beside = |edge: usize, end: Point| {
+        let line = offset_line(plan, edge);
+        let runs_out = junction.starts.iter().any(|&(_, start)| start == end);
+        runs_out.then(|| line.point + (end - line.point).dot(line.direction) * line.direction)
+    };
+    let [first, last] = [points[0], points[points.len() - 1]];
+    points.extend(beside(leaves, last));
+    points.splice(0..0, beside(arrives, first));
+    points
 }
 
 fn free_corner(plan: &Plan<'_>, middle: Point, line_in: Line, line_out: Line) -> Vec<PathVertex> {
@@ -164,7 +194,10 @@ fn vertex(plan: &Plan<'_>, corner: usize, edge: usize) -> Point {
     let above = match frame.kind {
         CornerKind::Exit { .. } => leaves,
         CornerKind::Concave { in_line_leaves, .. } => leaves == in_line_leaves,
-        CornerKind::Inner { .. } | CornerKind::BorderHinge { .. } | CornerKind::Free => return frame.middle,
+        CornerKind::Inner { .. }
+        | CornerKind::BorderHinge { .. }
+        | CornerKind::Junction
+        | CornerKind::Free => return frame.middle,
     };
     frame.middle + if above { 0.5 } else { -0.5 } * plan.gap * frame.normal
 }

@@ -3,11 +3,11 @@
 use kurbo::{Point, Vec2};
 
 use super::border::border_vertices;
-use super::frame::CornerKind;
 use super::slit::{Plan, Slit, relief_bar, slits};
-use crate::fabrication::cuts::Touch;
+use crate::fabrication::cuts::{ARC_TOLERANCE, Touch};
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
+use crate::fabrication::web::nearest_on_segment;
 
 /// The cuts, in no useful order: slits, then one relief bar per hinge, then the border loops.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,9 +29,9 @@ pub struct HingeCuts {
     pub relief: usize,
     /// The slit that ends on the relief bar.
     pub slit: usize,
-    /// What bounds the ligament on its other side: the slit that passes, the border, or both.
+    /// What bounds the ligament on its other side: the slit that passes, the border, or several cuts.
     pub passing: Vec<usize>,
-    /// The opposite hinge's relief bar and slit, across the slit that passes.
+    /// The relief bars and slits of the corner's other hinges, across the slits that pass.
     pub across: Vec<usize>,
     /// Unit direction of the hinged edge, from the hinge.
     pub normal: Vec2,
@@ -48,15 +48,17 @@ pub fn cut_set(plan: &Plan<'_>) -> Result<CutSet, FabricationError> {
     let loops = loops(plan)?;
     let mut paths: Vec<CutPath> = slits.iter().map(|slit| open_path(CutKind::Slit, &slit.points)).collect();
     paths.extend(reliefs.iter().map(|(_, bar)| open_path(CutKind::Relief, bar)));
-    let first_loop = paths.len();
+    let mut cuts_at = cuts_at_corners(plan, &slits, paths.len());
     paths.extend(loops);
-    let loop_at = loop_at_corner(plan, first_loop);
-    let (hinges, mut touches) = hinge_cuts(plan, &slits, &reliefs, &loop_at);
-    for (index, slit) in slits.iter().enumerate() {
-        if let (true, Some(border), Some(&point)) = (slit.exits, loop_at[slit.corner], slit.points.last()) {
-            touches.push(Touch { paths: [index, border], point });
-        }
+    for (&corner, junction) in plan.junctions.iter().filter(|(_, junction)| junction.closed) {
+        cuts_at[corner].push(paths.len());
+        let mut window = open_path(CutKind::Window, &junction.outline);
+        window.vertices.reverse(); // clockwise, as all windows
+        window.closed = true;
+        paths.push(window);
     }
+    let (hinges, mut touches) = hinge_cuts(plan, &slits, &reliefs, &cuts_at);
+    touches.extend(slit_touches(&slits, &paths, &cuts_at));
     Ok(CutSet { paths, hinges, touches, slits })
 }
 
@@ -105,27 +107,53 @@ fn loops(plan: &Plan<'_>) -> Result<Vec<CutPath>, FabricationError> {
     if outer == 1 { Ok(paths) } else { Err(FabricationError::SeveralParts { count: outer }) }
 }
 
-/// The path of the border loop that passes each corner.
-fn loop_at_corner(plan: &Plan<'_>, first_loop: usize) -> Vec<Option<usize>> {
-    let mut loop_at = vec![None; plan.frames.len()];
+/// The slits at each corner and the border loop that passes it: indices of paths.
+fn cuts_at_corners(plan: &Plan<'_>, slits: &[Slit], first_loop: usize) -> Vec<Vec<usize>> {
+    let mut cuts = vec![Vec::new(); plan.frames.len()];
+    for (index, slit) in slits.iter().enumerate() {
+        cuts[slit.corner].push(index);
+    }
     for (index, border) in plan.topology.loops.iter().enumerate() {
         for &edge in border {
-            loop_at[plan.topology.edges[edge].ends[0]] = Some(first_loop + index);
+            cuts[plan.topology.edges[edge].ends[0]].push(first_loop + index);
         }
     }
-    loop_at
+    cuts
+}
+
+/// Where slits meet other cuts of their corner: points on one another to within rounding.
+fn slit_touches(slits: &[Slit], paths: &[CutPath], cuts_at: &[Vec<usize>]) -> Vec<Touch> {
+    let mut touches = Vec::new();
+    for (index, slit) in slits.iter().enumerate() {
+        let [first, last] = [slit.points[0], slit.points[slit.points.len() - 1]];
+        let others: Vec<usize> = cuts_at[slit.corner].iter().copied().filter(|&o| o != index).collect();
+        for point in [first, last] {
+            let on = |&other: &usize| {
+                let mut segments = paths[other].segments(ARC_TOLERANCE).into_iter();
+                segments.any(|segment| nearest_on_segment(point, segment).distance(point) < 1e-6)
+            };
+            touches.extend(others.iter().copied().filter(on).map(|o| Touch { paths: [index, o], point }));
+        }
+        if slit.hinges == [None, None] {
+            // The short slit of a cut's end: what it joins comes near each other too.
+            touches.extend(pairs(&others).map(|paths| Touch { paths, point: first.midpoint(last) }));
+        }
+    }
+    touches
+}
+
+fn pairs(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
+    (0..items.len()).flat_map(move |i| (i + 1..items.len()).map(move |j| [items[i], items[j]]))
 }
 
 fn hinge_cuts(
     plan: &Plan<'_>,
     slits: &[Slit],
     reliefs: &[(usize, [Point; 2])],
-    loop_at: &[Option<usize>],
+    cuts_at: &[Vec<usize>],
 ) -> (Vec<HingeCuts>, Vec<Touch>) {
     let mut slit_of_hinge = vec![0; reliefs.len()];
-    let mut slit_at = vec![None; plan.frames.len()];
     for (index, slit) in slits.iter().enumerate() {
-        slit_at[slit.corner] = Some(index);
         for hinge in slit.hinges.iter().flatten() {
             slit_of_hinge[*hinge] = index;
         }
@@ -138,14 +166,11 @@ fn hinge_cuts(
             continue; // reliefs exist for hinged edges only
         };
         let relief = slits.len() + id;
-        let passing = slit_at[hinge.corner].into_iter().chain(loop_at[hinge.corner]).collect();
-        let across = match plan.frames[hinge.corner].kind {
-            CornerKind::Inner { hinged, .. } => {
-                let others = plan.hinges_of(&hinged).into_iter().filter(|&other| other != id);
-                others.flat_map(|other| [slits.len() + other, slit_of_hinge[other]]).collect()
-            }
-            _ => Vec::new(),
-        };
+        let passing = cuts_at[hinge.corner].clone();
+        let edges = &plan.topology.fans[hinge.corner].edges;
+        let others = edges.iter().filter_map(|&other| plan.topology.edges[other].hinge_at(hinge.corner));
+        let others = others.filter(|&other| other != id);
+        let across = others.flat_map(|other| [slits.len() + other, slit_of_hinge[other]]).collect();
         touches.push(Touch { paths: [slit_of_hinge[id], relief], point: end });
         hinges.push(HingeCuts { relief, slit: slit_of_hinge[id], passing, across, normal });
     }

@@ -19,11 +19,14 @@ use kurbo::{Point, Vec2};
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::topology::{Fan, Topology};
 use crate::kirigami::design::Design;
+use crate::profile::Profile;
 
 /// What a corner is for the cuts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CornerKind {
-    /// Four pieces: two edges are hinged on either side of the slit that passes along the other two.
+    /// Four pieces: two edges are hinged on either side of the slit that passes along the other two. At the border the
+    /// end of a narrow cut: its two sides, here the edge that leaves the corner, are one slit, which passes or which
+    /// stands in the place of the second hinged edge.
     Inner {
         /// Edges hinged here; the normal points along the first.
         hinged: [usize; 2],
@@ -50,6 +53,8 @@ pub enum CornerKind {
         /// Whether the border edge in line with the exiting slit is the one that leaves the corner.
         in_line_leaves: bool,
     },
+    /// Three or more slits meet at angles, or more than three pieces at the border: see [`super::junction`].
+    Junction,
     /// One piece alone, or none.
     Free,
 }
@@ -61,9 +66,9 @@ pub struct CornerFrame {
     pub middle: Point,
     /// Which edges do what.
     pub kind: CornerKind,
-    /// Unit normal of the passing slit or border; zero at a free corner.
+    /// Unit normal of the passing slit or border; zero at a free corner and at a junction.
     pub normal: Vec2,
-    /// Unit tangent of it; zero at a free corner.
+    /// Unit tangent of it; zero likewise.
     pub tangent: Vec2,
 }
 
@@ -73,11 +78,26 @@ pub struct CornerFrame {
 /// perpendicular to the chord of the passing (or border) edges' far ends.
 ///
 /// # Errors
-/// A corner with another number of pieces, or where hinged and passing edges do not alternate.
-pub fn corner_frames(design: &Design, topology: &Topology) -> Result<Vec<CornerFrame>, FabricationError> {
+/// A corner where hinged and passing edges do not alternate.
+pub fn corner_frames(
+    design: &Design,
+    topology: &Topology,
+    lengths: &[f64],
+    profile: &Profile,
+) -> Result<Vec<CornerFrame>, FabricationError> {
+    let longest = |fan: &Fan| {
+        let hinges = fan.edges.iter().filter_map(|&edge| topology.edges[edge].hinge);
+        hinges.map(|hinge| lengths[hinge.id]).fold(0.0, f64::max)
+    };
     let frame_at = |(corner, fan): (usize, &Fan)| {
-        let kind =
-            corner_kind(topology, corner, fan).map_err(|reason| corner_error(design, corner, reason))?;
+        let narrow = fan.border && {
+            let far = |edge: usize| middle(design, topology.edges[edge].far(corner));
+            let sides = [fan.edges[0], fan.edges[fan.edges.len() - 1]].map(far);
+            let room = 0.5 * longest(fan) + 3.0 * profile.laser.kerf;
+            notch_depth(middle(design, corner), sides, profile.hinge_gap()) > room
+        };
+        let kind = corner_kind(topology, corner, fan, narrow)
+            .map_err(|reason| corner_error(design, corner, reason))?;
         let (normal, tangent) = directions(design, topology, corner, fan, kind);
         if !(normal.is_finite() && tangent.is_finite()) {
             let reason = "the far ends of its edges coincide: the design has collapsed there";
@@ -88,7 +108,17 @@ pub fn corner_frames(design: &Design, topology: &Topology) -> Result<Vec<CornerF
     topology.fans.iter().enumerate().map(frame_at).collect()
 }
 
-fn corner_error(design: &Design, corner: usize, reason: &str) -> FabricationError {
+/// How far outside a border corner the border's cut turns back, beside the corner's two border edges, whose far ends are
+/// given: g/2 over the sine of half the angle between them. 0 where the angle is a right one or more.
+fn notch_depth(at: Point, far: [Point; 2], gap: f64) -> f64 {
+    let [a, b] = far.map(|far| (far - at).normalize());
+    // sin^2 of half the angle.
+    let sin2 = 0.5 * (1.0 - a.dot(b));
+    if a.dot(b) > 0.0 { 0.5 * gap / sin2.max(0.0).sqrt() } else { 0.0 }
+}
+
+/// The error of a corner that cannot be cut.
+pub fn corner_error(design: &Design, corner: usize, reason: &str) -> FabricationError {
     let Point { x, y } = middle(design, corner);
     FabricationError::Corner { corner, x, y, reason: reason.into() }
 }
@@ -98,39 +128,41 @@ pub fn middle(design: &Design, corner: usize) -> Point {
     Point::new(design.corners[corner].x, design.corners[corner].y)
 }
 
-fn corner_kind(topology: &Topology, corner: usize, fan: &Fan) -> Result<CornerKind, &'static str> {
+fn corner_kind(
+    topology: &Topology,
+    corner: usize,
+    fan: &Fan,
+    narrow: bool,
+) -> Result<CornerKind, &'static str> {
     const ALTERNATE: &str = "hinged edges and passing slits do not alternate around it: check the hinge list";
     let hinged = |edge: usize| topology.edges[edge].hinge_at(corner).is_some();
+    let alternate = |edges: &[usize]| edges.windows(2).all(|pair| hinged(pair[0]) != hinged(pair[1]));
+    let count = fan.edges.len();
     if !fan.border {
         return match *fan.edges.as_slice() {
             [] => Ok(CornerKind::Free),
-            [a, b, c, d] if hinged(a) && !hinged(b) && hinged(c) && !hinged(d) => {
-                Ok(CornerKind::Inner { hinged: [a, c], passing: [b, d] })
-            }
-            [a, b, c, d] if !hinged(a) && hinged(b) && !hinged(c) && hinged(d) => {
-                Ok(CornerKind::Inner { hinged: [b, d], passing: [c, a] })
-            }
-            [_, _, _, _] => Err(ALTERNATE),
-            _ => Err("the laser layout cuts inner corners of four pieces only: use a pattern without \
-                      irregular corners"),
+            _ if count % 2 == 1 || count < 4 || !alternate(&fan.edges) => Err(ALTERNATE),
+            [a, b, c, d] if hinged(a) => Ok(CornerKind::Inner { hinged: [a, c], passing: [b, d] }),
+            [a, b, c, d] => Ok(CornerKind::Inner { hinged: [b, d], passing: [c, a] }),
+            _ => Ok(CornerKind::Junction),
         };
     }
-    match fan.edges[1..fan.edges.len() - 1] {
-        [] => Ok(CornerKind::Free),
-        [edge] if hinged(edge) => Ok(CornerKind::BorderHinge { hinged: edge }),
-        [edge] => Ok(CornerKind::Exit { exit: edge }),
-        [first, second] if hinged(first) && !hinged(second) => {
-            Ok(CornerKind::Concave { hinged: first, exit: second, in_line_leaves: true })
-        }
-        [first, second] if !hinged(first) && hinged(second) => {
-            Ok(CornerKind::Concave { hinged: second, exit: first, in_line_leaves: false })
-        }
-        [_, _] => Err(ALTERNATE),
-        _ => Err(
-            "four or more pieces meet at this border corner, but the laser layout cuts up to three: trim \
-                  the pattern otherwise",
-        ),
+    let inside = &fan.edges[1..count - 1];
+    if !alternate(inside) {
+        return Err(ALTERNATE);
     }
+    Ok(match *inside {
+        [] => CornerKind::Free,
+        [edge] if hinged(edge) => CornerKind::BorderHinge { hinged: edge },
+        [edge] => CornerKind::Exit { exit: edge },
+        [first, second] if hinged(first) => {
+            CornerKind::Concave { hinged: first, exit: second, in_line_leaves: true }
+        }
+        [first, second] => CornerKind::Concave { hinged: second, exit: first, in_line_leaves: false },
+        [a, b, c] if narrow && hinged(a) => CornerKind::Inner { hinged: [a, c], passing: [b, fan.edges[0]] },
+        [a, b, c] if narrow => CornerKind::Inner { hinged: [b, fan.edges[0]], passing: [c, a] },
+        _ => CornerKind::Junction,
+    })
 }
 
 /// Unit normal and tangent; not finite where the geometry is degenerate.
@@ -150,9 +182,11 @@ fn directions(
         if across.dot(far(hinged) - at) < 0.0 { -across } else { across }
     };
     match kind {
-        CornerKind::Free => (Vec2::ZERO, Vec2::ZERO),
+        CornerKind::Free | CornerKind::Junction => (Vec2::ZERO, Vec2::ZERO),
         CornerKind::Inner { hinged, passing } => {
-            let normal = gap_normal(design, topology, corner, hinged[0], hinged[1])
+            // Opposite a cut that ends here stands no hinge, and no vertex that the passing slit's normal goes through.
+            let opposite = topology.edges[hinged[1]].right.map(|_| hinged[1]);
+            let normal = gap_normal(design, topology, corner, hinged[0], opposite)
                 .unwrap_or_else(|| chord_normal(passing[1], passing[0], hinged[0]));
             (normal, towards(normal.turn_90(), far(passing[0]) - at))
         }
@@ -162,13 +196,13 @@ fn directions(
         }
         CornerKind::Exit { exit } => {
             let along = (at - far(exit)).normalize();
-            let normal = gap_normal(design, topology, corner, fan.edges[0], fan.edges[last])
+            let normal = gap_normal(design, topology, corner, fan.edges[0], Some(fan.edges[last]))
                 .unwrap_or_else(|| along.turn_90());
             (normal, towards(normal.turn_90(), along))
         }
         CornerKind::Concave { hinged, exit, in_line_leaves } => {
             let (in_line, other) = if in_line_leaves { (0, last) } else { (last, 0) };
-            let normal = gap_normal(design, topology, corner, hinged, fan.edges[other])
+            let normal = gap_normal(design, topology, corner, hinged, Some(fan.edges[other]))
                 .unwrap_or_else(|| chord_normal(fan.edges[in_line], exit, hinged));
             (normal, towards(normal.turn_90(), far(exit) - at))
         }
@@ -179,21 +213,25 @@ fn towards(direction: Vec2, guide: Vec2) -> Vec2 {
     if direction.dot(guide) < 0.0 { -direction } else { direction }
 }
 
-/// Unit vector between the closed vertices of the pieces at two edges of a corner, from `below`'s to `above`'s;
-/// `None` where the design's gap vanishes there.
+/// Unit vector between the closed vertices of the pieces at two edges of a corner, from `below`'s (without one from the
+/// corner's midpoint) to `above`'s; `None` where the design's gap vanishes there.
 fn gap_normal(
     design: &Design,
     topology: &Topology,
     corner: usize,
     above: usize,
-    below: usize,
+    below: Option<usize>,
 ) -> Option<Vec2> {
     let vertex = |edge: usize| {
         let piece = &design.pieces[topology.edges[edge].left];
         let vertex = piece.corners.iter().position(|&c| c == corner)?;
         Some(Vec2::new(piece.closed[vertex].x, piece.closed[vertex].y))
     };
-    let gap = vertex(above)? - vertex(below)?;
+    let below = match below {
+        Some(edge) => vertex(edge)?,
+        None => middle(design, corner).to_vec2(),
+    };
+    let gap = vertex(above)? - below;
     // A nanometre: rounding noise of coordinates below a metre is a thousand times smaller.
     (gap.length() > 1e-6).then(|| gap.normalize())
 }

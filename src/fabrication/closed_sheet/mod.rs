@@ -2,6 +2,8 @@
 
 pub mod frame;
 
+pub mod junction;
+
 pub mod slit;
 
 pub mod border;
@@ -12,8 +14,11 @@ pub mod order;
 
 pub mod ligament;
 
+use std::collections::BTreeMap;
+
 use self::cuts::{CutSet, cut_set};
 use self::frame::corner_frames;
+use self::junction::junctions;
 use self::ligament::measure_ligaments;
 use self::order::in_cutting_order;
 use self::slit::Plan;
@@ -36,8 +41,11 @@ pub fn cuts_of(
     lengths: &[f64],
 ) -> Result<(CutSet, Topology), FabricationError> {
     let topology = topology(design)?;
-    let frames = corner_frames(design, &topology)?;
-    let set = cut_set(&Plan::new(&topology, &frames, lengths, profile))?;
+    let frames = corner_frames(design, &topology, lengths, profile)?;
+    let none = BTreeMap::new();
+    let plan = Plan::new(&topology, &frames, &none, lengths, profile);
+    let junctions = junctions(&plan, design)?;
+    let set = cut_set(&Plan { junctions: &junctions, ..plan })?;
     Ok((set, topology))
 }
 
