@@ -376,3 +376,34 @@ fn a_map_with_a_fold_is_named_and_refused() {
         }
     }
 }
+
+/// The samples that other tests do not make already, with what tells them apart.
+#[test]
+fn every_sample_is_made_without_a_failing_hinge() {
+    let mut names: Vec<String> = std::fs::read_dir(sample("."))
+        .unwrap()
+        .filter_map(|entry| Some(entry.unwrap().file_name().to_str()?.strip_suffix(".toml")?.to_owned()))
+        .collect();
+    names.sort();
+    assert!(names.len() >= 11, "{names:?}");
+    for name in names {
+        let folder = peers::fresh_folder(&format!("every-{name}"));
+        let out = made(&folder, sample(&format!("{name}.toml")).to_str().unwrap(), "out");
+        let design = design(&out);
+        let report = &design["report"];
+        assert!(number(report, "max_length_error") < 1e-12 && number(report, "planarity") < 1e-12, "{name}");
+        let edge = number(report, "mean_edge_mm");
+        assert!(number(report, "distance_max_mm") < 0.1 * edge, "{name}");
+        let [covered, boundary] = ["coverage_max_mm", "boundary_max_mm"].map(|key| number(report, key));
+        assert!(covered.max(boundary) < 2.0 * SQRT_2 * edge, "{name}: {covered} {boundary}");
+    }
+}
+
+#[test]
+fn a_sheet_with_an_automatic_cut_burns_to_one_body() {
+    let out = made_sample("three", &FILES);
+    let design = design(&out);
+    assert_eq!(design["pieces"].as_array().unwrap().len(), 192);
+    // 3 x 7 x 8 sides between pieces within the patches and 3 x 8 between them, less the 8 of the cut.
+    assert_eq!(design["hinges"].as_array().unwrap().len(), 3 * 2 * 7 * 8 + 3 * 8 - 8);
+}

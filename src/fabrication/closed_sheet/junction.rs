@@ -294,7 +294,7 @@ mod tests {
         };
         let pieces: Vec<Piece> = (0..n).map(piece).collect();
         let hinge = |i: usize| {
-            let vertices = if (i + first) % 2 == 0 { [0, 0] } else { [3, 1] };
+            let vertices = if (i + first).is_multiple_of(2) { [0, 0] } else { [3, 1] };
             let point = pieces[i].closed[vertices[1]];
             Hinge { pieces: [(i + n - 1) % n, i], vertices, point, axis: Vector3::z(), angle: 1.0 }
         };

@@ -5,7 +5,7 @@ mod faults;
 mod generators;
 
 use super::*;
-use generators::{block, cells, five, obj, patches, star};
+use generators::{block, cells, five, obj, patches, star, three};
 use std::fs;
 use std::path::Path;
 
@@ -62,9 +62,10 @@ fn check(pattern: &PatternMesh) {
 }
 
 /// The samples' files and what stands in them.
-fn samples() -> [(&'static str, String); 3] {
+fn samples() -> [(&'static str, String); 4] {
     let five = five();
     [
+        ("three.obj", obj(&three(), "a dome of three patches of quads around one corner, millimetres")),
         ("star.obj", obj(&star(), "a dome of six patches of quads around one corner, millimetres")),
         ("five.obj", obj(&five, "a dome of five patches of quads around one corner, millimetres")),
         ("five-cuts.obj", mended(&five).mended.to_obj(&five.vertices)),
