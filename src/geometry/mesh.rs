@@ -19,3 +19,14 @@ pub struct TriMesh {
     /// #F triangles, indices into `vertices`.
     pub faces: Vec<[usize; 3]>,
 }
+
+impl TriMesh {
+    /// Sum of the areas of its triangles.
+    pub fn area(&self) -> f64 {
+        let triangle = |face: &[usize; 3]| {
+            let [a, b, c] = face.map(|v| self.vertices[v]);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        };
+        self.faces.iter().map(triangle).sum()
+    }
+}

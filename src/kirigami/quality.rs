@@ -124,7 +124,7 @@ pub fn measure(
     let mean_edge = design.mean_edge();
     let (e_isom, max_length_error) = length_errors(design, mean_edge);
     let surfaces = [closed_surface(design), open_surface(mesh, design)];
-    let areas = surfaces.each_ref().map(|surface| area(&fan_triangles(surface)));
+    let areas = surfaces.each_ref().map(|surface| fan_triangles(surface).area());
     let states = [State::Closed, State::Open].into_iter().zip(&surfaces);
     let fits: Vec<(State, Fit)> = states
         .filter_map(|(state, surface)| Some((state, fit(design, state, surface, goals.of(state))?)))
@@ -168,7 +168,7 @@ fn fit(design: &Design, state: State, surface: &PolyMesh, goal: Goal) -> Option<
         boundary_max: boundary_distance(surface, &triangles, target),
         target_diagonal: (high - low).norm(),
         held: goal.outline().is_some(),
-        covered: area(&triangles) / area(target.surface.mesh()),
+        covered: triangles.area() / target.surface.mesh().area(),
         coverage_max: coverage(triangles, target),
     })
 }
@@ -309,14 +309,6 @@ pub fn fan_triangles(mesh: &PolyMesh) -> TriMesh {
         (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect()
     };
     TriMesh { vertices: mesh.vertices.clone(), faces: mesh.faces.iter().flat_map(fan).collect() }
-}
-
-fn area(mesh: &TriMesh) -> f64 {
-    let triangle = |face: &[usize; 3]| {
-        let [a, b, c] = face.map(|v| mesh.vertices[v]);
-        0.5 * (b - a).cross(&(c - a)).norm()
-    };
-    mesh.faces.iter().map(triangle).sum()
 }
 
 /// Largest distance between the boundary of the filled pattern and the target's, measured from the vertices

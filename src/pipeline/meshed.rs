@@ -198,8 +198,8 @@ pub(super) fn aligned(job: &Job, size: PieceSize, targets: Targets) -> Result<Be
     let fault = |source| PipelineError::Remesh { path: path.clone(), source };
     let map = SurfaceMap::new(closed, open).map_err(fault)?;
     let open_side = match size {
-        PieceSize::Counts([nx, ny]) => (area(map.open()) / (nx * ny) as f64).sqrt(),
-        PieceSize::Edge(edge) => edge * (area(map.open()) / area(map.closed())).sqrt(),
+        PieceSize::Counts([nx, ny]) => (map.open().area() / (nx * ny) as f64).sqrt(),
+        PieceSize::Edge(edge) => edge * (map.open().area() / map.closed().area()).sqrt(),
     };
     let outline = if followed { remesh::Outline::Followed } else { remesh::Outline::Trimmed };
     let shape = if job.pattern.opening == Opening::Variable { cell_shape(&map) } else { 1.0 };
@@ -335,12 +335,4 @@ fn mean_edge(mesh: &PolyMesh) -> f64 {
         }
     }
     sum / count
-}
-
-fn area(mesh: &TriMesh) -> f64 {
-    let triangle = |face: &[usize; 3]| {
-        let [a, b, c] = face.map(|v| mesh.vertices[v]);
-        0.5 * (b - a).cross(&(c - a)).norm()
-    };
-    mesh.faces.iter().map(triangle).sum()
 }

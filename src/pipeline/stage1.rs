@@ -236,7 +236,7 @@ fn fits(
     while needed < LARGEST_FACTOR && farthest(needed).0 > most {
         needed *= 1.02;
     }
-    let target: f64 = area(&closed.mesh);
+    let target: f64 = closed.mesh.area();
     let sheet = cover.mesh.pieces.len() as f64 * cover.cell.closed[0] * cover.cell.closed[1];
     let factor = ROOM * needed;
     let beyond = beyond / (by[0] * by[1]).sqrt();
@@ -249,21 +249,13 @@ const LARGEST_FACTOR: f64 = 1e4;
 /// How much larger than just large enough a target should be: pieces move beyond their grid.
 const ROOM: f64 = 1.15;
 
-fn area(mesh: &TriMesh) -> f64 {
-    let triangle = |face: &[usize; 3]| {
-        let [a, b, c] = face.map(|v| mesh.vertices[v]);
-        0.5 * (b - a).cross(&(c - a)).norm()
-    };
-    mesh.faces.iter().map(triangle).sum()
-}
-
 /// Two meshes whose vertices correspond: the user's map.
 fn map(job: &Job, size: PieceSize, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {
     let flat = closed.lay_flat()?;
     let first = first_axis(&closed.mesh, &flat.points);
     let outline = closed.outline(&flat.points);
     let levels =
-        grids(job, size, |size, gap| sheet_grid(job, &outline, &first, size, gap, area(&open.mesh)))?;
+        grids(job, size, |size, gap| sheet_grid(job, &outline, &first, size, gap, open.mesh.area()))?;
     let planar = closed.is_planar();
     let layouts = Layouts {
         closed: if planar {
@@ -289,7 +281,7 @@ fn variable(job: &Job, size: PieceSize, open: TargetMesh) -> Result<Begun, Pipel
         let points: Vec<Point2> = conformal.iter().map(|p| p * by).collect();
         let first = first_axis(&open.mesh, &points);
         let outline = open.outline(&points);
-        Ok((sheet_grid(job, &outline, &first, size, gap, area(&open.mesh))?, points))
+        Ok((sheet_grid(job, &outline, &first, size, gap, open.mesh.area())?, points))
     };
     // Hinge polygons are narrower than their cells by half a gap: that much of the stretch is missing.
     let fitted = |size, gap: f64| -> Result<(Cover, Vec<Point2>), CoverError> {
