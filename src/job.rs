@@ -2,20 +2,22 @@
 //!
 //! [`read_job`] reads it, loads the profile that it names, applies the job's overrides to that profile and checks
 //! everything that can be checked without the mesh. Paths are relative to the job file. What the file may hold but
-//! this version does not make (bistable patterns, surface to surface, variable opening, milling) is refused in
+//! this version does not make is refused in
 //! words, not as an unknown key.
 
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::kirigami::bistable::cell::BistableCell;
 use crate::kirigami::cover::{Boundary, PieceSize};
-use crate::kirigami::design::PatternKind;
 pub use crate::kirigami::pattern::Opening;
 pub use crate::kirigami::pattern_mesh::Reading;
 use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
+
+mod bistable;
 
 mod guide;
 
@@ -116,11 +118,12 @@ impl Units {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     /// The family.
-    pub kind: PatternKind,
+    pub kind: Kind,
     /// Which pieces there are.
     pub grid: Grid,
     /// Open-state stretches m1 and m2 along the grid's first and second direction (the paper's principal stretches,
-    /// Eq. (1)). They satisfy 1/m1 + 1/m2 = sqrt 2 exactly: what the file gives within 0.1 % is scaled onto it.
+    /// Eq. (1)). They satisfy 1/m1 + 1/m2 = sqrt 2 exactly: what the file gives within 0.1 % is scaled onto it. Those of
+    /// bistable cells follow from their dimensions, Eq. (2).
     pub stretches: [f64; 2],
     /// How far the pieces turn.
     pub opening: Opening,
@@ -128,6 +131,15 @@ pub struct Pattern {
     pub boundary: Option<Boundary>,
     /// Distance between the two hinge points of an inner corner, millimetres; 0 is the paper's model.
     pub gap: f64,
+}
+
+/// The family of a cut pattern.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// Rectangles that turn by about 45 degrees.
+    RotatingRectangles,
+    /// Rectangles that snap between two states, with the proportions of their cells (no gap).
+    Bistable(BistableCell),
 }
 
 /// Where the pieces come from.
@@ -173,7 +185,7 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 14] = [
+pub const DEFAULTS: [(&str, &str); 17] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
@@ -182,6 +194,9 @@ pub const DEFAULTS: [(&str, &str); 14] = [
     ("pattern.boundary", "\"glide\" where the outline has four corners, else \"trimmed\""),
     ("pattern.gap_mm", "the profile's ligament width plus kerf"),
     ("pattern.opening", "\"full\""),
+    ("pattern.A, pattern.B", "1.0 (bistable)"),
+    ("pattern.a, pattern.b", "0.42 (bistable)"),
+    ("pattern.phi_deg", "18.0 (bistable)"),
     ("fabrication.sheet_mm", "the profile's sheet"),
     ("fabrication.kerf_mm", "the profile's kerf"),
     ("fabrication.process", "\"laser\""),
@@ -190,7 +205,7 @@ pub const DEFAULTS: [(&str, &str); 14] = [
     (
         "solver.stage-3",
         "{ prox = 0.6, boundary = 0.05, corners = 0.6, fair = 0.001, opening = 0.001, rectangles = 0.001, \
-         sides = 0.0001, widths = 0.1 }",
+         sides = 0.0001, widths = 0.1 }; of bistable sheets { prox = 0.3, boundary = 0.1, corners = 0.3, shape = 0.01 }",
     ),
 ];
 

@@ -1,5 +1,7 @@
 //! The main job, stage by stage: the table of contents in code.
 
+mod bistable;
+
 mod clock;
 
 mod error;
@@ -21,14 +23,13 @@ use crate::fabrication::fabricate::ligament_lengths;
 use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
-use crate::job::{Cuts, Grid, Job, Opening};
+use crate::job::{Cuts, Grid, Job, Kind, Opening};
 use crate::kirigami::control_mesh::{Goal, Goals};
 use crate::kirigami::design::{Design, State};
 use crate::kirigami::guides::measure_open;
 use crate::kirigami::hinges;
 use crate::kirigami::levels::{Climb, Level, Reached};
 use crate::kirigami::pattern::{Pattern, initial_pattern};
-use crate::kirigami::piece_mesh::PieceMesh;
 use crate::kirigami::quality::{Limits, Quality, measure};
 use crate::kirigami::validity;
 use crate::memory;
@@ -54,7 +55,6 @@ pub struct Designed {
     pub quality: Quality,
     /// What the solver did.
     pub stages: Vec<Stage>,
-    mesh: PieceMesh,
     aims: Aims,
 }
 
@@ -78,7 +78,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
     clock.go_on(|| Some(reached("fabrication", &designed.design, clock)))?;
     let Quality { asked_edge, stretch_ratio, .. } = designed.quality;
     let goals = designed.aims.goals();
-    let measured = measure(product.design(), &designed.mesh, &goals, asked_edge, stretch_ratio);
+    let measured = measure(product.design(), &goals, asked_edge, stretch_ratio);
     let quality = Quality { open_state: designed.quality.open_state, ..measured };
     Ok(Made { product, quality, stages: designed.stages })
 }
@@ -106,33 +106,37 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         _ => Vec::new(),
     };
     let goals = Goals { guides: &guides, ..goals };
-    let climb = Climb {
-        levels: &levels,
-        layouts: &layouts,
-        goals,
-        opening: job.pattern.opening,
-        stage2: &job.solver.stage2,
-        stage3: &job.solver.stage3,
+    let (design, [reports2, reports3]) = match &job.pattern.kind {
+        Kind::Bistable(cell) => bistable::optimise(job, cell, &levels, &layouts, goals, clock)?,
+        Kind::RotatingRectangles => {
+            let climb = Climb {
+                levels: &levels,
+                layouts: &layouts,
+                goals,
+                opening: job.pattern.opening,
+                stage2: &job.solver.stage2,
+                stage3: &job.solver.stage3,
+            };
+            optimise(&climb, clock)?
+        }
     };
-    let (pattern, [reports2, reports3]) = optimise(&climb, clock)?;
-    let Level { cover, gap } = levels.pop().expect("at least one level");
-    let design = hinges::design(&cover.mesh, &pattern, gap, goals.sheet_state());
-    let mut quality = measure(&design, &cover.mesh, &goals, cover.asked_edge, ratio);
+    let Level { cover, .. } = levels.pop().expect("at least one level");
+    let mut quality = measure(&design, &goals, cover.asked_edge, ratio);
     if matches!(goals.open, Goal::Free) {
-        quality.open_state = Some(measure_open(&design, &cover.mesh, &guides));
+        quality.open_state = Some(measure_open(&design, &guides));
     }
     let shortfalls = quality.shortfalls(&limits(job));
     if !shortfalls.is_empty() {
         return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
     }
     let least_width = LEAST_WIDTH_IN_GAPS * job.fabrication.profile.hinge_gap();
-    validity::check(&design, &cover.mesh, &goals, least_width)?;
+    validity::check(&design, &goals, least_width)?;
     let stages = vec![
         Stage { name: "stage-1", reports: reports1 },
         Stage { name: "stage-2", reports: reports2 },
         Stage { name: "stage-3", reports: reports3 },
     ];
-    Ok(Designed { design, quality, stages, mesh: cover.mesh, aims })
+    Ok(Designed { design, quality, stages, aims })
 }
 
 /// What a design must keep. Where the opening varies or the grid is aligned the size of the pieces follows from the map, not
@@ -145,8 +149,8 @@ fn limits(job: &Job) -> Limits {
     }
 }
 
-/// Runs Stages 2 and 3. Returns the pattern and the reports of both stages.
-fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Pattern, [Vec<Report>; 2]), PipelineError> {
+/// Runs Stages 2 and 3 of rotating pieces. Returns the design and the reports of both stages.
+fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
     let design = |level: usize, pattern: &Pattern| {
         let Level { cover, gap } = &climb.levels[level];
         hinges::design(&cover.mesh, pattern, *gap, climb.goals.sheet_state())
@@ -156,8 +160,9 @@ fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Pattern, [Vec<Report>; 
     let start = initial_pattern(cover, &control, *gap, climb.opening);
     clock.go_on(|| Some(reached("stage-2", &design(0, &start), clock)))?;
     let Reached { level, pattern, reports } = clock.run("stage-3", |run| climb.stage3(control, run));
-    clock.go_on(|| Some(reached("stage-3", &design(level, &pattern), clock)))?;
-    Ok((pattern, [vec![report], reports]))
+    let design = design(level, &pattern);
+    clock.go_on(|| Some(reached("stage-3", &design, clock)))?;
+    Ok((design, [vec![report], reports]))
 }
 
 fn reached(stage: &'static str, design: &Design, clock: &Clock) -> Partial {

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::bistable::{bistable, only_bistable};
 use super::guide::{RawGuide, guides};
 use super::solver::{RawSolver, solver};
 use super::{
-    Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Opening, Pattern, PatternFile, PieceSize,
-    Reading, Shape, Target, Units,
+    Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern, PatternFile,
+    PieceSize, Reading, Shape, Target, Units,
 };
-use crate::kirigami::design::PatternKind;
 use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -32,19 +32,10 @@ const GAP: Limits = Limits::new(0.0, 100.0, "mm", "ligament width plus slit widt
 /// How far 1/m1 + 1/m2 may be from sqrt 2, relative: four typed digits fit.
 const STRETCH_TOLERANCE: f64 = 1.0e-3;
 
-const THIS_VERSION: &str = "this version makes rotating rectangles, laser-cut";
+const THIS_VERSION: &str = "this version makes rotating rectangles and bistable sheets, laser-cut";
 
 /// Keys that the job format foresees and this version does not make.
-const NOT_BUILT: [&str; 8] = [
-    "pattern.a",
-    "pattern.b",
-    "pattern.A",
-    "pattern.B",
-    "pattern.phi_deg",
-    "fabrication.sheet_state",
-    "fabrication.copies",
-    "fabrication.machine",
-];
+const NOT_BUILT: [&str; 3] = ["fabrication.sheet_state", "fabrication.copies", "fabrication.machine"];
 
 /// Two numbers; a list, because a list that is too long fits an array of two without a word.
 type Pair<T> = Spanned<Vec<Spanned<T>>>;
@@ -74,17 +65,26 @@ struct RawTarget {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawPattern {
-    kind: Spanned<String>,
+pub(super) struct RawPattern {
+    pub kind: Spanned<String>,
     pieces: Option<Pair<i64>>,
     piece_mm: Option<Spanned<f64>>,
-    control_mesh: Option<Spanned<String>>,
-    piece_mesh: Option<Spanned<String>>,
-    alignment: Option<Spanned<String>>,
-    stretches: Option<Pair<f64>>,
+    pub control_mesh: Option<Spanned<String>>,
+    pub piece_mesh: Option<Spanned<String>>,
+    pub alignment: Option<Spanned<String>>,
+    pub stretches: Option<Pair<f64>>,
     boundary: Option<Spanned<String>>,
     gap_mm: Option<Spanned<f64>>,
-    opening: Option<Spanned<String>>,
+    pub opening: Option<Spanned<String>>,
+    #[serde(rename = "A")]
+    pub cell_a: Option<Spanned<f64>>,
+    #[serde(rename = "B")]
+    pub cell_b: Option<Spanned<f64>>,
+    #[serde(rename = "a")]
+    pub side_a: Option<Spanned<f64>>,
+    #[serde(rename = "b")]
+    pub side_b: Option<Spanned<f64>>,
+    pub phi_deg: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -108,16 +108,19 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let raw: RawJob = source.parse()?;
     let target = target(&source, &raw.target, &folder)?;
     let guides = guides(&source, &raw.guide, &target, &folder)?;
-    let kind = kind(&source, raw.pattern.get_ref())?;
+    let kind = kind(&source, raw.pattern.get_ref(), &target)?;
     let grid = grid(&source, &raw, &folder)?;
-    let stretches = stretches(&source, raw.pattern.get_ref().stretches.as_ref())?;
+    let stretches = match &kind {
+        Kind::RotatingRectangles => stretches(&source, raw.pattern.get_ref().stretches.as_ref())?,
+        Kind::Bistable(cell) => cell.stretches(),
+    };
     let boundary = boundary(&source, raw.pattern.get_ref().boundary.as_ref())?;
     let opening = opening(&source, raw.pattern.get_ref(), &target)?;
     let gap = source.optional(raw.pattern.get_ref().gap_mm.as_ref(), &GAP)?;
     let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
     let pattern = Pattern { kind, grid, stretches, opening, boundary, gap };
-    let solver = solver(&source, &raw.solver, opening)?;
+    let solver = solver(&source, &raw.solver, opening, kind != Kind::RotatingRectangles)?;
     Ok(Job { folder, target, guides, pattern, fabrication, solver })
 }
 
@@ -188,11 +191,13 @@ pub(super) fn mesh_path(
     ))
 }
 
-fn kind(source: &TomlSource, raw: &RawPattern) -> Result<PatternKind, TomlError> {
-    match raw.kind.get_ref().as_str() {
-        "rotating-rectangles" => Ok(PatternKind::RotatingRectangles),
-        _ => Err(not_built(source, &raw.kind, "\"rotating-rectangles\"")),
+fn kind(source: &TomlSource, raw: &RawPattern, target: &Target) -> Result<Kind, TomlError> {
+    let words = [("rotating-rectangles", false), ("bistable", true)];
+    if choice(source, Some(&raw.kind), &words)? == Some(true) {
+        return Ok(Kind::Bistable(bistable(source, raw, target)?));
     }
+    only_bistable(source, raw)?;
+    Ok(Kind::RotatingRectangles)
 }
 
 fn opening(source: &TomlSource, raw: &RawPattern, target: &Target) -> Result<Opening, TomlError> {

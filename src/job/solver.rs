@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::kirigami::bistable::optimise;
 use crate::kirigami::pattern::Opening;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Limits, TomlError, TomlSource};
@@ -12,8 +13,10 @@ use crate::toml_source::{Limits, TomlError, TomlSource};
 pub struct Solver {
     /// `[solver.stage-2]`
     pub stage2: stage2::Weights,
-    /// `[solver.stage-3]`
+    /// `[solver.stage-3]` of rotating pieces.
     pub stage3: stage3::Weights,
+    /// `[solver.stage-3]` of bistable sheets.
+    pub bistable: optimise::Weights,
 }
 
 impl Solver {
@@ -68,29 +71,60 @@ struct RawStage3 {
     rectangles: Option<Spanned<f64>>,
     sides: Option<Spanned<f64>>,
     widths: Option<Spanned<f64>>,
+    shape: Option<Spanned<f64>>,
 }
 
+type Entry<'a> = (&'static str, &'a mut f64, &'a Option<Spanned<f64>>);
+
 /// The weights with the file's in place of the defaults.
-pub(super) fn solver(source: &TomlSource, raw: &RawSolver, opening: Opening) -> Result<Solver, TomlError> {
+pub(super) fn solver(
+    source: &TomlSource,
+    raw: &RawSolver,
+    opening: Opening,
+    bistable: bool,
+) -> Result<Solver, TomlError> {
     let mut solver = Solver::of(opening);
-    let (weights2, weights3) = (&mut solver.stage2, &mut solver.stage3);
+    let (weights2, weights3, snapping) = (&mut solver.stage2, &mut solver.stage3, &mut solver.bistable);
     let (raw2, raw3) = (&raw.stage2, &raw.stage3);
-    for (weight, value) in [
-        (&mut weights2.orth, &raw2.orth),
-        (&mut weights2.geom, &raw2.geom),
-        (&mut weights2.prox, &raw2.prox),
-        (&mut weights2.boundary, &raw2.boundary),
-        (&mut weights2.corners, &raw2.corners),
-        (&mut weights2.fair, &raw2.fair),
-        (&mut weights3.prox, &raw3.prox),
-        (&mut weights3.boundary, &raw3.boundary),
-        (&mut weights3.corners, &raw3.corners),
-        (&mut weights3.fair, &raw3.fair),
-        (&mut weights3.opening, &raw3.opening),
-        (&mut weights3.rectangles, &raw3.rectangles),
-        (&mut weights3.sides, &raw3.sides),
-        (&mut weights3.widths, &raw3.widths),
-    ] {
+    let common: [Entry; 6] = [
+        ("orth", &mut weights2.orth, &raw2.orth),
+        ("geom", &mut weights2.geom, &raw2.geom),
+        ("prox", &mut weights2.prox, &raw2.prox),
+        ("boundary", &mut weights2.boundary, &raw2.boundary),
+        ("corners", &mut weights2.corners, &raw2.corners),
+        ("fair", &mut weights2.fair, &raw2.fair),
+    ];
+    let rotating: [Entry; 5] = [
+        ("fair", &mut weights3.fair, &raw3.fair),
+        ("opening", &mut weights3.opening, &raw3.opening),
+        ("rectangles", &mut weights3.rectangles, &raw3.rectangles),
+        ("sides", &mut weights3.sides, &raw3.sides),
+        ("widths", &mut weights3.widths, &raw3.widths),
+    ];
+    let shape: [Entry; 1] = [("shape", &mut snapping.shape, &raw3.shape)];
+    let of_both: [Entry; 3] = if bistable {
+        [
+            ("prox", &mut snapping.prox, &raw3.prox),
+            ("boundary", &mut snapping.boundary, &raw3.boundary),
+            ("corners", &mut snapping.corners, &raw3.corners),
+        ]
+    } else {
+        [
+            ("prox", &mut weights3.prox, &raw3.prox),
+            ("boundary", &mut weights3.boundary, &raw3.boundary),
+            ("corners", &mut weights3.corners, &raw3.corners),
+        ]
+    };
+    let foreign: &[Entry] = if bistable { &rotating } else { &shape };
+    if let Some((key, _, Some(value))) = foreign.iter().find(|(_, _, value)| value.is_some()) {
+        let help = "bistable sheets have prox, boundary, corners and shape, rotating pieces all but shape";
+        return Err(source.error(
+            value.span(),
+            format!("{key} is no weight of this pattern's stage 3"),
+            help,
+        ));
+    }
+    for (_, weight, value) in common.into_iter().chain(rotating).chain(shape).chain(of_both) {
         if let Some(value) = source.optional(value.as_ref(), &WEIGHT)? {
             *weight = value;
         }

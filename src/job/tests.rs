@@ -77,7 +77,7 @@ fn a_job_that_says_everything() {
     assert_eq!(job.target.open, Shape::Mesh(folder.0.join("roof.obj")));
     assert_eq!(job.target.closed, Shape::Flat);
     assert_eq!((job.target.units.millimetres(), job.target.size), (10.0, Some(300.0)));
-    assert_eq!(job.pattern.kind, PatternKind::RotatingRectangles);
+    assert_eq!(job.pattern.kind, Kind::RotatingRectangles);
     assert_eq!(job.pattern.grid, Grid::Regular(PieceSize::Counts([30, 20])));
     assert_eq!(job.pattern.boundary, Some(Boundary::FixedCorners));
     assert_eq!(job.pattern.gap, 0.0);

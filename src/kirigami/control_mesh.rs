@@ -157,7 +157,7 @@ pub struct Layouts {
 /// Lays the pair of regular grids of a cover into the plane and into the targets.
 pub fn stage1(cover: &Cover, layouts: &Layouts) -> ControlMesh {
     let (closed_corners, closed_centres) = layouts.closed.place(cover, cover.cell.closed);
-    let (open_corners, open_centres) = layouts.open.place(cover, [cover.cell.open; 2]);
+    let (open_corners, open_centres) = layouts.open.place(cover, cover.cell.open);
     ControlMesh { closed_corners, closed_centres, open_corners, open_centres }
 }
 

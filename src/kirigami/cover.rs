@@ -46,8 +46,8 @@ impl PieceSize {
 /// Dimensions of the model cell (section 2.1), with the gap between hinge points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelCell {
-    /// Side w of the open cell.
-    pub open: f64,
+    /// Sides of the open cell: w and w, for rotating pieces.
+    pub open: [f64; 2],
     /// Sides of the closed cell: a = w / m1 + gap / 2 and b = w / m2 + gap / 2.
     pub closed: [f64; 2],
 }
@@ -55,7 +55,7 @@ pub struct ModelCell {
 impl ModelCell {
     /// The model cell with open side `open`, open-state stretches `m1`, `m2` and a gap.
     pub fn from_open(open: f64, stretches: [f64; 2], gap: f64) -> Self {
-        Self { open, closed: stretches.map(|m| open / m + gap / 2.0) }
+        Self { open: [open; 2], closed: stretches.map(|m| open / m + gap / 2.0) }
     }
 
     /// The model cell whose closed sides have this mean. With 1/m1 + 1/m2 = sqrt 2 the mean is
@@ -63,6 +63,11 @@ impl ModelCell {
     pub fn from_edge(edge: f64, stretches: [f64; 2], gap: f64) -> Self {
         let mean_ratio = stretches.iter().map(|m| 0.5 / m).sum::<f64>();
         Self::from_open((edge - gap / 2.0) / mean_ratio, stretches, gap)
+    }
+
+    /// The open cell's sides over the closed one's.
+    pub fn stretches(&self) -> [f64; 2] {
+        [0, 1].map(|i| self.open[i] / self.closed[i])
     }
 
     /// Mean side of the closed cell: the asked edge length.
@@ -121,6 +126,20 @@ pub enum CoverError {
         /// Most that are accepted.
         limit: usize,
     },
+    /// The gap eats the cell.
+    #[error(
+        "bistable cells of {:.2} x {:.2} mm are too small for slits that pass hinges {:.3} mm away (half of ligament plus kerf): \
+         cells of at least {:.2} x {:.2} mm are needed; ask for larger ones, scale the target up, or choose a smaller phi_deg, \
+         a or b", .cell[0], .cell[1], .gap / 2.0, .least[0], .least[1]
+    )]
+    CellTooSmall {
+        /// Sides A and B.
+        cell: [f64; 2],
+        /// Twice the distance of a hinge from the slit that passes it.
+        gap: f64,
+        /// Least sides A and B.
+        least: [f64; 2],
+    },
     /// The gap eats the piece.
     #[error(
         "pieces with sides of {edge:.3} mm are too small for hinges that stand {gap:.3} mm apart (ligament plus kerf): sides of at least {least:.3} mm are needed; ask for larger pieces or scale the target up"
@@ -144,7 +163,7 @@ const LEAST_SIDE_IN_GAPS: f64 = 4.0;
 
 fn check_gap(cell: &ModelCell, gap: f64) -> Result<(), CoverError> {
     let least = LEAST_SIDE_IN_GAPS * gap;
-    if cell.open <= 0.0 || cell.closed.iter().any(|&side| side < least) {
+    if cell.open.iter().any(|&side| side <= 0.0) || cell.closed.iter().any(|&side| side < least) {
         return Err(CoverError::GapTooWide { edge: cell.edge(), gap, least });
     }
     Ok(())
@@ -183,7 +202,7 @@ pub fn cover(
     let frame = Frame::smallest_rectangle(outline, first);
     let open = match size {
         PieceSize::Counts([nx, ny]) => (frame.size.x / nx as f64).max(frame.size.y / ny as f64),
-        PieceSize::Edge(edge) => ModelCell::from_edge(edge, stretches, gap).open,
+        PieceSize::Edge(edge) => ModelCell::from_edge(edge, stretches, gap).open[0],
     };
     let cell = ModelCell::from_open(open, stretches, gap);
     check_gap(&cell, gap)?;
@@ -400,7 +419,7 @@ mod tests {
             let cover = cover(&outline, &first, PieceSize::Counts([15, 10]), [SQRT_2; 2], 0.0, None).unwrap();
             assert_eq!(cover.boundary, Boundary::Glide);
             assert_eq!(cover.mesh.pieces.len(), 150);
-            assert!((cover.cell.open - 2.0).abs() < 1e-9);
+            assert!((cover.cell.open[0] - 2.0).abs() < 1e-9);
             assert!((cover.cell.edge() - SQRT_2).abs() < 1e-9);
             // The grid's first axis is the asked one.
             let at = |place| cover.corners[cover.places.iter().position(|&p| p == place).unwrap()];
@@ -449,7 +468,7 @@ mod tests {
             .collect();
         let cover = cover(&outline, &Vector2::x(), PieceSize::Edge(1.0), [SQRT_2; 2], 0.0, None).unwrap();
         assert_eq!(cover.boundary, Boundary::Trimmed);
-        let area = cover.mesh.pieces.len() as f64 * cover.cell.open.powi(2);
+        let area = cover.mesh.pieces.len() as f64 * cover.cell.open[0].powi(2);
         // Border cells lie inside by two thirds or more, so a cell a side goes missing at most: perimeter /
         // side = 44.
         assert!((area / (100.0 * PI) - 1.0).abs() < 0.15 && area < 100.0 * PI, "{area}");
@@ -466,7 +485,7 @@ mod tests {
             let stretches = [m1, 1.0 / (SQRT_2 - 1.0 / m1)];
             let cell = ModelCell::from_edge(10.0, stretches, 0.55);
             assert!((cell.edge() - 10.0).abs() < 1e-12);
-            assert!((cell.open / (cell.closed[0] - 0.275) - m1).abs() < 1e-12);
+            assert!((cell.open[0] / (cell.closed[0] - 0.275) - m1).abs() < 1e-12);
         }
     }
 

@@ -199,8 +199,8 @@ pub struct OpenState {
 }
 
 /// Measures the open state of a design. Nothing here trusts the optimiser.
-pub fn measure_open(design: &Design, mesh: &PieceMesh, guides: &[Guide]) -> OpenState {
-    let surface = open_surface(mesh, design);
+pub fn measure_open(design: &Design, guides: &[Guide]) -> OpenState {
+    let surface = open_surface(design);
     let area = |face: &Vec<usize>| {
         let [origin, around @ ..] = &face[..] else { return 0.0 };
         let from = surface.vertices[*origin];

@@ -80,7 +80,13 @@ impl Climb<'_> {
     ) -> (ControlMesh, Report) {
         let Level { cover, gap } = &self.levels[level];
         let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        let problem = second::Problem { cover, goals: self.goals, gap: *gap, weights: self.stage2 };
+        let problem = second::Problem {
+            cover,
+            goals: self.goals,
+            gap: *gap,
+            cells: second::Cells::Rotating,
+            weights: self.stage2,
+        };
         stage2(&problem, start, &options, name, run)
     }
 
@@ -225,7 +231,7 @@ mod tests {
         let (fine, start) = flat([12, 8]);
         let mut control = start.clone();
         displace(&coarse, &moved, &fine, &mut control);
-        let cell = coarse.cell.open;
+        let cell = coarse.cell.open[0];
         let mut inside = 0;
         for (i, at) in fine.corners.iter().enumerate() {
             // Beyond the outermost centres the displacement is constant.

@@ -6,11 +6,11 @@ use super::control_mesh::{Goal, Goals, Target};
 use super::design::{Design, State};
 use super::filled::{closed_surface, open_surface};
 use super::guides::OpenState;
-use super::piece_mesh::PieceMesh;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::plane::doubled_area;
 use crate::geometry::topology::disk;
+use crate::geometry::triangulate::triangulate;
 use crate::geometry::{Vector3, bounds, centroid};
 
 /// What was reached. Lengths in millimetres unless said otherwise.
@@ -36,7 +36,7 @@ pub struct Quality {
     pub target_diagonal: f64,
     /// These figures state by state, for those that have a target; above stand the larger ones.
     pub fits: Vec<(State, Fit)>,
-    /// Largest distance between two closed hinge points of a corner along the sheet's normal.
+    /// Largest distance between two closed vertices at a corner along the sheet's normal.
     pub closed_step_max: f64,
     /// Mean distance between neighbouring corners of the closed sheet.
     pub mean_edge: f64,
@@ -114,17 +114,11 @@ fn figure(value: f64) -> String {
 }
 
 /// Measures a design against its goals.
-pub fn measure(
-    design: &Design,
-    mesh: &PieceMesh,
-    goals: &Goals,
-    asked_edge: f64,
-    stretch_ratio: f64,
-) -> Quality {
+pub fn measure(design: &Design, goals: &Goals, asked_edge: f64, stretch_ratio: f64) -> Quality {
     let mean_edge = design.mean_edge();
     let (e_isom, max_length_error) = length_errors(design, mean_edge);
-    let surfaces = [closed_surface(design), open_surface(mesh, design)];
-    let areas = surfaces.each_ref().map(|surface| fan_triangles(surface).area());
+    let surfaces = [closed_surface(design), open_surface(design)];
+    let areas = surfaces.each_ref().map(|surface| triangles(surface).area());
     let states = [State::Closed, State::Open].into_iter().zip(&surfaces);
     let fits: Vec<(State, Fit)> = states
         .filter_map(|(state, surface)| Some((state, fit(design, state, surface, goals.of(state))?)))
@@ -160,16 +154,16 @@ fn fit(design: &Design, state: State, surface: &PolyMesh, goal: Goal) -> Option<
     let largest = |distances: &mut dyn Iterator<Item = f64>| distances.fold(0.0, f64::max);
     let vertices = design.pieces.iter().flat_map(|piece| piece.vertices(state));
     let centres = design.pieces.iter().map(|piece| centroid(piece.vertices(state)));
-    let triangles = fan_triangles(surface);
+    let filled = triangles(surface);
     let (low, high) = bounds(&target.surface.mesh().vertices);
     Some(Fit {
         distance_max: largest(&mut vertices.map(|p| target.surface.distance(p))),
         sagitta_max: largest(&mut centres.map(|p| target.surface.distance(&p))),
-        boundary_max: boundary_distance(surface, &triangles, target),
+        boundary_max: boundary_distance(surface, &filled, target),
         target_diagonal: (high - low).norm(),
         held: goal.outline().is_some(),
-        covered: triangles.area() / target.surface.mesh().area(),
-        coverage_max: coverage(triangles, target),
+        covered: filled.area() / target.surface.mesh().area(),
+        coverage_max: coverage(filled, target),
     })
 }
 
@@ -250,23 +244,23 @@ pub fn coverage(pattern: TriMesh, target: &Target) -> f64 {
     samples.map(|p| pattern.distance(&p)).fold(0.0, f64::max)
 }
 
-/// Largest distance between two closed hinge points of a corner along the mean normal of the pieces around it.
+/// Largest distance between two closed vertices at a corner along the mean normal of the pieces around it.
 fn closed_step(design: &Design) -> f64 {
     let mut normals = vec![Vector3::zeros(); design.corners.len()];
     for piece in &design.pieces {
         piece.corners.iter().for_each(|&corner| normals[corner] += doubled_area(&piece.closed));
     }
-    // Least and largest height of each corner's hinges.
+    // Least and largest height at each corner.
     let mut heights = vec![(f64::INFINITY, f64::NEG_INFINITY); design.corners.len()];
-    for hinge in &design.hinges {
-        let piece = &design.pieces[hinge.pieces[0]];
-        let corner = piece.corners[hinge.vertices[0]];
-        let normal = normals[corner].try_normalize(0.0).unwrap_or_default();
-        let height = (piece.closed[hinge.vertices[0]] - design.corners[corner]).dot(&normal);
-        let (low, high) = heights[corner];
-        heights[corner] = (low.min(height), high.max(height));
+    for piece in &design.pieces {
+        for (&corner, point) in piece.corners.iter().zip(&piece.closed) {
+            let normal = normals[corner].try_normalize(0.0).unwrap_or_default();
+            let height = (point - design.corners[corner]).dot(&normal);
+            let (low, high) = heights[corner];
+            heights[corner] = (low.min(height), high.max(height));
+        }
     }
-    heights.iter().map(|(low, high)| high - low).fold(0.0, f64::max)
+    heights.iter().map(|(low, high)| high - low).filter(|step| step.is_finite()).fold(0.0, f64::max)
 }
 
 /// E_isom at mean edge 1, and the largest relative length error.
@@ -303,8 +297,18 @@ fn planarity(design: &Design) -> f64 {
     worst
 }
 
-/// Faces as triangle fans: fine for measuring, where faces are nearly flat and convex.
-pub fn fan_triangles(mesh: &PolyMesh) -> TriMesh {
+/// Faces as triangles: fans for quads, which are nearly flat and convex, else without overlap.
+pub fn triangles(mesh: &PolyMesh) -> TriMesh {
+    if mesh.faces.iter().any(|face| face.len() > 4)
+        && let Ok(surface) = triangulate(mesh, 1.0)
+    {
+        // The triangles in the numbers of the polygons' vertices; the middles of warped faces come after them.
+        let known = surface.vertex_of.len();
+        let mut vertices = mesh.vertices.clone();
+        let name = |v: usize| if v < known { surface.vertex_of[v] } else { mesh.vertices.len() + v - known };
+        vertices.extend(surface.mesh.vertices.iter().skip(known));
+        return TriMesh { vertices, faces: surface.mesh.faces.iter().map(|face| face.map(name)).collect() };
+    }
     let fan = |face: &Vec<usize>| -> Vec<[usize; 3]> {
         (1..face.len() - 1).map(|i| [face[0], face[i], face[i + 1]]).collect()
     };

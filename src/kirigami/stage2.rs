@@ -7,7 +7,9 @@ use super::control_mesh::{ControlMesh, Goals, Target};
 use super::cover::{Boundary, Cover};
 use super::design::State;
 use super::piece_mesh::{Edge, PieceMesh};
-use super::terms::{CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt};
+use super::terms::{
+    CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt, PrincipalStretches,
+};
 use crate::geometry::Point3;
 use crate::solver::{Coupling, Options, Report, Run, System, Term, Weighted};
 
@@ -135,8 +137,19 @@ pub struct Problem<'a> {
     pub goals: Goals<'a>,
     /// Distance between the two hinge points of a corner, millimetres.
     pub gap: f64,
+    /// What the cells' dimensions are to be.
+    pub cells: Cells,
     /// Weights.
     pub weights: &'a Weights,
+}
+
+/// What the dimensions of the cells are to be in the two states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cells {
+    /// Square open cells of constant mean stretch, Eqs. (4) and (5).
+    Rotating,
+    /// The same principal stretches everywhere along the grid's two directions, Eq. (10).
+    Stretched([f64; 2]),
 }
 
 /// Optimises a pair of control meshes; `name` is that of the minimisation in the journal.
@@ -158,15 +171,20 @@ pub fn stage2(
 
 /// All terms that have a weight. `start` tells where border corners are held on outlines that no grid follows.
 pub fn terms<'a>(problem: &Problem<'a>, start: &ControlMesh, at: &Unknowns) -> Vec<Weighted<'a>> {
-    let &Problem { cover, goals, gap, weights } = problem;
+    let &Problem { cover, goals, gap, weights, cells } = problem;
     let scale = cover.cell.edge();
     let mesh = &cover.mesh;
     let faces: Vec<(Diagonals, Diagonals)> = faces(mesh, at);
+    let dimensions: Box<dyn Term> = match cells {
+        Cells::Rotating => Box::new(CellDimensions::new(faces.iter().cloned(), LAMBDA, gap / scale)),
+        Cells::Stretched(stretches) => {
+            let directions = face_edges(mesh).map(|edge| edge.direction);
+            Box::new(PrincipalStretches::new(faces.iter().cloned().zip(directions), stretches))
+        }
+    };
     let both = faces.iter().flat_map(|(closed, open)| [closed.clone(), open.clone()]);
-    let mut terms: Vec<(Box<dyn Term>, f64)> = vec![
-        (Box::new(OrthogonalDiagonals::new(both)), weights.orth),
-        (Box::new(CellDimensions::new(faces.clone(), LAMBDA, gap / scale)), weights.geom),
-    ];
+    let mut terms: Vec<(Box<dyn Term>, f64)> =
+        vec![(Box::new(OrthogonalDiagonals::new(both)), weights.orth), (dimensions, weights.geom)];
     for (state, places) in [(State::Open, &start.open_corners), (State::Closed, &start.closed_corners)] {
         let border = (0..mesh.corner_count).filter(|&c| !mesh.fans[c].closed);
         let border = border.map(|c| (at.corner(state, c), places[c]));
@@ -245,14 +263,17 @@ fn faces(mesh: &PieceMesh, at: &Unknowns) -> Vec<(Diagonals, Diagonals)> {
             Diagonals::new(p, q, centre(edge.piece), edge.neighbour.map(centre))
         })
     };
+    face_edges(mesh).map(face).map(|[closed, open]| (closed, open)).collect()
+}
+
+/// The edges that have a control face.
+fn face_edges(mesh: &PieceMesh) -> impl Iterator<Item = &Edge> {
     // Triangles along the border are halves of cells: their centres are not those of control faces.
     let half = |&piece: &usize| {
         let border = mesh.owned[piece].iter().any(|&e| mesh.edges[e].is_border());
         mesh.pieces[piece].len() == 3 && border
     };
-    let whole =
-        mesh.edges.iter().filter(|edge| ![Some(edge.piece), edge.neighbour].iter().flatten().any(half));
-    whole.map(face).map(|[closed, open]| (closed, open)).collect()
+    mesh.edges.iter().filter(move |edge| ![Some(edge.piece), edge.neighbour].iter().flatten().any(half))
 }
 
 /// Second differences, Eq. (6), along the mesh polylines: through quad pieces from corner to corner and

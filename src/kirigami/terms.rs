@@ -24,7 +24,7 @@ mod ideal_cells;
 #[cfg(test)]
 mod tests;
 
-pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals};
+pub use control_face::{CellDimensions, Diagonals, OrthogonalDiagonals, PrincipalStretches};
 pub use guided::Guided;
 pub use piece::{ClosedVertex, Isometry, PieceAt, Planarity};
 pub use pull::Pull;

@@ -9,7 +9,6 @@ use super::control_mesh::{Goal, Goals};
 use super::design::{Design, State};
 use super::filled::open_surface;
 use super::mirror::is_mirrored;
-use super::piece_mesh::PieceMesh;
 use crate::geometry::{Point3, Vector3, centroid};
 
 /// Why a pattern cannot be made.
@@ -18,7 +17,7 @@ pub enum Invalid {
     /// A face is turned over or crosses itself.
     #[error("{face} near ({:.2}, {:.2}, {:.2}) mm is {fault} in the {state} state: the target asks for more than the pattern can give there; use smaller pieces or cut the target into parts", at.x, at.y, at.z)]
     Face {
-        /// Which face, as "piece 12" or "the hole at corner 7".
+        /// Which face, as "piece 12" or "hole 7".
         face: String,
         /// "turned over", "crossing itself" or "mirrored".
         fault: &'static str,
@@ -45,7 +44,7 @@ pub enum Invalid {
 ///
 /// # Errors
 /// The first [`Invalid`] face found.
-pub fn check(design: &Design, mesh: &PieceMesh, goals: &Goals, least_width: f64) -> Result<(), Invalid> {
+pub fn check(design: &Design, goals: &Goals, least_width: f64) -> Result<(), Invalid> {
     for (i, piece) in design.pieces.iter().enumerate() {
         let cell: Vec<Point3> = piece.corners.iter().map(|&c| design.corners[c]).collect();
         for polygon in [&cell, &piece.closed] {
@@ -58,15 +57,13 @@ pub fn check(design: &Design, mesh: &PieceMesh, goals: &Goals, least_width: f64)
             return Err(Invalid::Narrow { piece: i, width, least: least_width, at });
         }
     }
-    let open = open_surface(mesh, design);
-    let fans = mesh.fans.iter().enumerate();
-    let inner: Vec<usize> = fans.filter(|(_, fan)| fan.closed).map(|(corner, _)| corner).collect();
+    let open = open_surface(design);
     for (i, face) in open.faces.iter().enumerate() {
         let polygon: Vec<Point3> = face.iter().map(|&v| open.vertices[v]).collect();
         check_face(&polygon, &outside(goals.open, &polygon), "open", || {
             match i.checked_sub(design.pieces.len()) {
                 None => format!("piece {i}"),
-                Some(hole) => format!("the hole at corner {}", inner[hole]),
+                Some(hole) => format!("hole {hole}"),
             }
         })?;
     }

@@ -101,17 +101,17 @@ fn positions(
         }
         (None, _) => (planar(flat, cell.edge() / side), own),
         (Some(_), None) if matches!(job.target.open, Shape::Free) => {
-            let larger = own.iter().map(|p| p * (cell.open / side)).collect();
+            let larger = own.iter().map(|p| p * (cell.open[0] / side)).collect();
             (own, larger)
         }
-        (Some(_), None) => (own, planar(flat, cell.open / side)),
+        (Some(_), None) => (own, planar(flat, cell.open[0] / side)),
         (Some(closed), Some(open)) if targets.correspond => {
             let nearest = ClosestPoints::new(open.mesh.clone());
             (own.iter().map(|p| carried(&nearest, &closed.mesh, p)).collect(), own)
         }
         (Some(closed), Some(_)) => {
             let closed_flat = closed.lay_flat()?;
-            let by = cell.closed.map(|edge| cell.open / edge);
+            let by = cell.closed.map(|edge| cell.open[0] / edge);
             let placed = middle_to_middle(closed, &closed_flat.points, &sheet.mesh, flat, by);
             let map = LinearMap::new(closed.mesh.clone(), &placed);
             (flat.iter().map(|p| map.apply(p)).collect(), own)
@@ -173,7 +173,7 @@ fn mean_side(pattern: &PatternMesh, flat: &[Point2]) -> f64 {
 fn cover_of(pattern: &PatternMesh, flat: &[Point2], cell: ModelCell, boundary: Boundary) -> Cover {
     let corners: Vec<Point2> = pattern.flatten.corner_vertex.iter().map(|&v| flat[v]).collect();
     let centres = pattern.flatten.centre_vertex.iter().map(|&v| flat[v]).collect();
-    let places = corners.iter().map(|p| [p.x / cell.open, p.y / cell.open]).collect();
+    let places = corners.iter().map(|p| [p.x / cell.open[0], p.y / cell.open[1]]).collect();
     let mesh = pattern.mesh.clone();
     // All sides count, those along the border too.
     let sides = mesh
@@ -215,7 +215,7 @@ pub(super) fn aligned(job: &Job, size: PieceSize, targets: Targets) -> Result<Be
     let corner_points =
         |at: &[Point3]| pattern.flatten.corner_vertex.iter().map(|&v| at[v]).collect::<Vec<_>>();
     let cell = ModelCell {
-        open: mean_edge(&closed_mesh(corner_points(&open_at))),
+        open: [mean_edge(&closed_mesh(corner_points(&open_at))); 2],
         closed: [mean_edge(&closed_mesh(corner_points(&closed_at))); 2],
     };
     let boundary = if followed { Boundary::Glide } else { Boundary::Trimmed };

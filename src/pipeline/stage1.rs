@@ -17,7 +17,8 @@ use super::surfaces::{LaidFlat, TargetMesh, Targets, first_axis};
 use crate::geometry::flatten::{Flattening, conformal_points};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point2, Vector2};
-use crate::job::{Grid, Job, Opening, Shape};
+use crate::job::{Grid, Job, Kind, Opening, Shape};
+use crate::kirigami::bistable::grid::cover_cells;
 use crate::kirigami::control_mesh::{Goal, Goals, Layout, Layouts, LinearMap, Target};
 use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis};
 use crate::kirigami::levels::{COARSEST, Level};
@@ -105,9 +106,7 @@ fn opening(job: &Job, size: PieceSize, open: TargetMesh) -> Result<Begun, Pipeli
     let flat = open.lay_flat()?;
     let first = first_axis(&open.mesh, &flat.points);
     let outline = open.outline(&flat.points);
-    let levels = grids(job, size, |size, gap| {
-        cover(&outline, &first, size, job.pattern.stretches, gap, job.pattern.boundary)
-    })?;
+    let levels = grids(job, size, |size, gap| lay(job, &outline, &first, size, gap))?;
     let lift = LinearMap::new(open.mesh.clone(), &flat.points);
     let layouts = Layouts { closed: Layout::Grid, open: Layout::Lifted(lift) };
     Ok(begun(levels, layouts, Aims { closed: Aim::Plane, open: surface(open, Outline::Held) }, &flat))
@@ -118,23 +117,21 @@ fn closing(job: &Job, size: PieceSize, closed: TargetMesh) -> Result<Begun, Pipe
     let flat = closed.lay_flat()?;
     let first = first_axis(&closed.mesh, &flat.points);
     let axis = grid_axis(&closed.outline(&flat.points), &first);
-    let lay = |size, gap, by: [f64; 2]| {
+    let lay_stretched = |size, gap, by: [f64; 2]| {
         let points: Vec<Point2> = flat.points.iter().map(|p| stretched(p, &axis, by)).collect();
-        cover(&closed.outline(&points), &axis, size, job.pattern.stretches, gap, job.pattern.boundary)
+        lay(job, &closed.outline(&points), &axis, size, gap)
     };
     // The closed cells have the gap in them: the open state is larger by a little less than the stretches, by how much
     // depends on the size of the pieces. Each round brings the factors nearer by the gap's part of a piece.
     let by = |size, gap| -> Result<[f64; 2], CoverError> {
         let mut by = job.pattern.stretches;
         for _ in 0..ROUNDS {
-            let cell = lay(size, gap, by)?.cell;
-            by = cell.closed.map(|side| cell.open / side);
+            by = lay_stretched(size, gap, by)?.cell.stretches();
         }
         Ok(by)
     };
-    let levels = grids(job, size, |size, gap| lay(size, gap, by(size, gap)?))?;
-    let finest = &levels[levels.len() - 1].cover.cell;
-    let by = finest.closed.map(|side| finest.open / side);
+    let levels = grids(job, size, |size, gap| lay_stretched(size, gap, by(size, gap)?))?;
+    let by = levels[levels.len() - 1].cover.cell.stretches();
     let points: Vec<Point2> = flat.points.iter().map(|p| stretched(p, &axis, by)).collect();
     let open = match job.target.open {
         Shape::Free => {
@@ -165,11 +162,9 @@ fn between(job: &Job, size: PieceSize, closed: TargetMesh, open: TargetMesh) -> 
     let (flat, closed_flat) = (open.lay_flat()?, closed.lay_flat()?);
     let first = first_axis(&open.mesh, &flat.points);
     let outline = open.outline(&flat.points);
-    let levels = grids(job, size, |size, gap| {
-        cover(&outline, &first, size, job.pattern.stretches, gap, job.pattern.boundary)
-    })?;
+    let levels = grids(job, size, |size, gap| lay(job, &outline, &first, size, gap))?;
     let finest = &levels[levels.len() - 1].cover;
-    let by = finest.cell.closed.map(|side| finest.cell.open / side);
+    let by = finest.cell.stretches();
     let placed = middle_to_middle(&closed, &closed_flat.points, &open.mesh, &flat.points, by);
     fits(&closed, &placed, finest, by, &middle(&open.mesh, &flat.points))?;
     let layouts = Layouts {
@@ -227,7 +222,7 @@ fn fits(
             cover.corners.iter().map(|p| (factor * map.distance(&(middle + (p - middle) / factor)), *p));
         far.fold((0.0, Point2::origin()), |a, b| if b.0 > a.0 { b } else { a })
     };
-    let most = 0.5 * cover.cell.open;
+    let most = 0.5 * cover.cell.open[0].max(cover.cell.open[1]);
     let (beyond, at) = farthest(1.0);
     if beyond <= most {
         return Ok(());
@@ -314,15 +309,31 @@ fn sheet_grid(
     open_area: f64,
 ) -> Result<Cover, CoverError> {
     let mut cover = cover(outline, first, size, [1.0; 2], 0.0, job.pattern.boundary)?;
-    let side = cover.cell.open;
+    let side = cover.cell.open[0];
     let sheet = cover.mesh.pieces.len() as f64 * side * side;
-    cover.cell = ModelCell { open: side * (open_area / sheet).sqrt(), closed: [side; 2] };
+    cover.cell = ModelCell { open: [side * (open_area / sheet).sqrt(); 2], closed: [side; 2] };
     cover.asked_edge = side;
     cover.check_gap(gap)?;
     Ok(cover)
 }
 
-/// Lays the grid that the job asks for, and coarser ones to begin with: the coarsest first.
+/// Lays a grid over an outline whose open cells fill it, with the job's stretches.
+fn lay(
+    job: &Job,
+    outline: &[Point2],
+    first: &Vector2,
+    size: PieceSize,
+    gap: f64,
+) -> Result<Cover, CoverError> {
+    match &job.pattern.kind {
+        Kind::RotatingRectangles => {
+            cover(outline, first, size, job.pattern.stretches, gap, job.pattern.boundary)
+        }
+        Kind::Bistable(cell) => cover_cells(outline, first, size, cell, gap, job.pattern.boundary),
+    }
+}
+
+/// Lays the grid that the job asks for, and, for rotating pieces, coarser ones to begin with: the coarsest first.
 fn grids(
     job: &Job,
     size: PieceSize,
@@ -330,7 +341,8 @@ fn grids(
 ) -> Result<Vec<Level>, CoverError> {
     let (mut size, mut gap) = (size, job.pattern.gap);
     let mut levels = vec![Level { cover: lay(size, gap)?, gap }];
-    while levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
+    let coarser = job.pattern.kind == Kind::RotatingRectangles;
+    while coarser && levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
         (size, gap) = (size.coarser(), 2.0 * gap);
         // Large pieces may not fit a narrow target.
         let Ok(cover) = lay(size, gap) else { break };

@@ -9,14 +9,15 @@ use std::time::Instant;
 use kirimorph::geometry::flatten::{ConformalScale, flatten};
 use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::topology::disk;
-use kirimorph::geometry::{Point2, Point3, Vector2};
+use kirimorph::geometry::{Point2, Point3, Vector2, Vector3};
 use kirimorph::kirigami::control_mesh::{ControlMesh, Goal, Goals, LinearMap, Target};
 use kirimorph::kirigami::cover::{Cover, ModelCell, PieceSize, cover};
-use kirimorph::kirigami::design::{Design, PatternKind, Piece};
+use kirimorph::kirigami::design::{Design, Hinge, PatternKind, Piece};
 use kirimorph::kirigami::filled::open_surface;
 use kirimorph::kirigami::pattern::{Opening, Pattern, initial_pattern};
 use kirimorph::kirigami::pattern_terms::{hard_terms, soft_terms};
-use kirimorph::kirigami::quality::{coverage, fan_triangles};
+use kirimorph::kirigami::piece_mesh::Edge;
+use kirimorph::kirigami::quality::{coverage, triangles};
 use kirimorph::kirigami::stage3::Phase;
 use kirimorph::kirigami::{pattern, stage2, stage3};
 use kirimorph::solver::{Coupling, Options, Precision, Report, Step, System, Weighted};
@@ -236,8 +237,11 @@ fn second(problem: &Problem, course: &Course) -> (Report, ControlMesh) {
     let goals = problem.goals();
     let at = stage2::Unknowns::new(&cover.mesh, &goals);
     let mut x = at.pack(start, 1.0);
-    let terms =
-        stage2::terms(&stage2::Problem { cover, goals, gap: 0.0, weights: &course.stage2 }, start, &at);
+    let terms = stage2::terms(
+        &stage2::Problem { cover, goals, gap: 0.0, cells: stage2::Cells::Rotating, weights: &course.stage2 },
+        start,
+        &at,
+    );
     let mut system = System::new(at.places(cover));
     let report = minimize(&mut system, terms, &mut x, &course.options(STEPS, course.precision, 1e-4));
     (report, at.unpack(&x, 1.0))
@@ -314,15 +318,21 @@ pub fn figures(problem: &Problem, solved: &Solved) -> Figures {
         closed: closed.clone(),
         open: open.clone(),
     };
+    // Only which vertices hinges join counts here.
+    let hinge = |(e, edge): (usize, &Edge)| {
+        let pieces = [edge.piece, edge.neighbour?];
+        let vertices = pieces.map(|piece| mesh.vertex_of(piece, e));
+        Some(Hinge { pieces, vertices, point: Point3::origin(), axis: Vector3::z(), angle: 0.0 })
+    };
     let design = Design {
         pattern: PatternKind::RotatingRectangles,
         sheet_state: None,
         gap: 0.0,
         corners: Vec::new(),
         pieces: solved.pieces.iter().zip(&mesh.pieces).map(piece).collect(),
-        hinges: Vec::new(),
+        hinges: mesh.edges.iter().enumerate().filter_map(hinge).collect(),
     };
-    let filled = fan_triangles(&open_surface(mesh, &design));
+    let filled = triangles(&open_surface(&design));
     let volume = |p: &[Point3]| (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
     let height = |p: &[Point3]| (volume(p) / (p[1] - p[0]).cross(&(p[2] - p[0])).norm()).abs();
     let heights = |state: usize| largest(&mut solved.pieces.iter().map(|p| height(&p[state]))) / mean_edge;

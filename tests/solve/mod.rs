@@ -35,7 +35,7 @@ impl Solved {
         let goals = Goals::opening(&self.target);
         let mesh = &self.cover.mesh;
         let design = hinges::design(mesh, pattern, self.gap, goals.sheet_state());
-        let quality = measure(&design, mesh, &goals, self.cover.cell.edge(), self.stretch_ratio);
+        let quality = measure(&design, &goals, self.cover.cell.edge(), self.stretch_ratio);
         (design, quality)
     }
 }

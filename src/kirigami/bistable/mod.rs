@@ -13,3 +13,7 @@ pub mod mesh;
 pub mod pattern;
 
 pub mod fit;
+
+pub mod grid;
+
+pub mod optimise;

@@ -47,6 +47,11 @@ impl BistablePattern {
                 break;
             }
         }
+        self.cross(mesh);
+    }
+
+    /// Puts the crossings inside the sheet where slits meet.
+    pub fn cross(&mut self, mesh: &BistableMesh) {
         for (edge, ends) in mesh.meetings.iter().enumerate() {
             if let Some(ends) = ends {
                 let lines =

@@ -8,7 +8,8 @@ use crate::geometry::{Point2, Vector2};
 /// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of
 /// several positions of the grid the one is taken that leaves the smallest gap to the outline.
 pub(super) fn trimmed(outline: &[Point2], frame: &Frame, cell: ModelCell) -> Cover {
-    let local: Vec<Point2> = outline.iter().map(|p| frame.local(p) / cell.open).collect();
+    let side = cell.open[0];
+    let local: Vec<Point2> = outline.iter().map(|p| frame.local(p) / side).collect();
     let shifts = (0..SHIFTS * SHIFTS).map(|k| {
         let part = |k: usize| k as f64 / SHIFTS as f64;
         Vector2::new(part(k % SHIFTS), part(k / SHIFTS))
@@ -24,7 +25,7 @@ pub(super) fn trimmed(outline: &[Point2], frame: &Frame, cell: ModelCell) -> Cov
         }
     }
     let (_, shift, cells) = best.expect("at least one position");
-    let at = |x: f64, y: f64| frame.point((x - shift.x) * cell.open, (y - shift.y) * cell.open);
+    let at = |x: f64, y: f64| frame.point((x - shift.x) * side, (y - shift.y) * side);
     build(&cells.into_iter().collect::<Vec<_>>(), at, cell, Boundary::Trimmed)
 }
 

@@ -1,4 +1,4 @@
-//! Terms of the control faces of Stage 2, Eqs. (4) and (5).
+//! Terms of the control faces of Stage 2, Eqs. (4), (5) and (10).
 
 use super::PointAt;
 use crate::geometry::Vector3;
@@ -134,5 +134,57 @@ impl Term for CellDimensions {
             &(unit(open_black) * -self.lambda),
             &mut row[first_open..],
         );
+    }
+}
+
+/// The same principal stretches in every face, Eq. (10): two residuals per face, along and across the grid's first
+/// direction. The paper's V is the expanded state, here "open".
+pub struct PrincipalStretches {
+    faces: Vec<(Diagonals, Diagonals, Vec<usize>, [f64; 2])>,
+}
+
+impl PrincipalStretches {
+    /// Over pairs of faces (closed, open), each with the direction of its white diagonal, 0 or 1, and the stretches along
+    /// the grid's two directions.
+    pub fn new(
+        faces: impl IntoIterator<Item = ((Diagonals, Diagonals), usize)>,
+        stretches: [f64; 2],
+    ) -> Self {
+        let face = |((closed, open), direction): ((Diagonals, Diagonals), usize)| {
+            let unknowns = [closed.unknowns(), open.unknowns()].concat();
+            (closed, open, unknowns, [stretches[direction], stretches[1 - direction]])
+        };
+        Self { faces: faces.into_iter().map(face).collect() }
+    }
+}
+
+impl Term for PrincipalStretches {
+    fn name(&self) -> &'static str {
+        "geom"
+    }
+    fn blocks(&self) -> usize {
+        self.faces.len()
+    }
+    fn rows(&self, _: usize) -> usize {
+        2
+    }
+    fn unknowns(&self, b: usize) -> &[usize] {
+        &self.faces[b].2
+    }
+    fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
+        let (closed, open, unknowns, [along, across]) = &self.faces[b];
+        let columns = unknowns.len();
+        let first_open = closed.points.iter().map(|(p, ..)| p.dimension).sum::<usize>();
+        let (white, black) = closed.values(x);
+        let (open_white, open_black) = open.values(x);
+        let none = Vector3::zeros();
+        let (along, across) = (along * along, across * across);
+        residuals[0] = open_white.norm_squared() - along * white.norm_squared();
+        residuals[1] = open_black.norm_squared() - across * black.norm_squared();
+        let (first, second) = jacobian.split_at_mut(columns);
+        closed.write(&(white * (-2.0 * along)), &none, &mut first[..first_open]);
+        open.write(&(open_white * 2.0), &none, &mut first[first_open..]);
+        closed.write(&none, &(black * (-2.0 * across)), &mut second[..first_open]);
+        open.write(&none, &(open_black * 2.0), &mut second[first_open..]);
     }
 }

@@ -69,6 +69,10 @@ fn jacobians_agree_with_differences() {
         Box::new(OrthogonalDiagonals::new([inner(2, 0), inner(3, 8), border(2, 0), border(3, 8)])),
         Box::new(CellDimensions::new([(inner(3, 0), inner(3, 12))], 0.7, 0.0)),
         Box::new(CellDimensions::new([(inner(2, 0), inner(3, 8)), (border(2, 0), border(3, 8))], 0.7, 0.05)),
+        Box::new(PrincipalStretches::new(
+            [((inner(2, 0), inner(3, 8)), 0), ((border(2, 0), border(3, 8)), 1)],
+            [1.2, 1.4],
+        )),
         Box::new(Isometry::new(&[piece(4), piece(5)])),
         Box::new(Planarity::new(&[piece(4), piece(6)])),
         Box::new(Isometry::new(&[piece_in(3, 4), piece_in(3, 5)])),

@@ -140,7 +140,8 @@ impl Problem {
         let Self { cover, target, control, .. } = self;
         let weights = stage2::Weights::default();
         let goals = Goals::opening(target);
-        let problem = stage2::Problem { cover, goals, gap: GAP, weights: &weights };
+        let problem =
+            stage2::Problem { cover, goals, gap: GAP, cells: stage2::Cells::Rotating, weights: &weights };
         clocked(|run| {
             stage2(&problem, control, &fixed(steps), "stage-2", run);
         })

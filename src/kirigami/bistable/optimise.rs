@@ -1,0 +1,304 @@
+//! Stage 3 of bistable sheets: pieces that are the same in both states (section 3.4).
+//!
+//! Isometry and flatness are hard, closeness is soft, there is no fairness. A weak shape term keeps the rectangles where the
+//! model has them in cells whose corners are free: without it pieces at the border become slivers. The unknowns are the
+//! corners of rectangles and of the border in the unexpanded state, the hinges and free vertices of the expanded one, and
+//! the cells' inner corners, which only the shape term knows.
+
+use super::cell::BistableCell;
+use super::fit::{bilinear, fitted, handed};
+use super::mesh::{BistableMesh, Role, Vertex};
+use super::pattern::BistablePattern;
+use crate::geometry::{Point2, Point3};
+use crate::kirigami::control_mesh::Goals;
+use crate::kirigami::cover::Cover;
+use crate::kirigami::design::State;
+use crate::kirigami::stage2::held;
+use crate::kirigami::terms::{ClosedVertex, Isometry, LinearTerm, PieceAt, Planarity, PointAt};
+use crate::solver::{Coupling, Options, Report, Run, Step, System, Term, Termination, Weighted};
+
+/// Weights of the soft terms, for cells of mean side 1. Isometry and flatness have weight 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// Closeness to the target.
+    pub prox: f64,
+    /// Distance to the target's boundary.
+    pub boundary: f64,
+    /// Distance of fixed corners from the outline's.
+    pub corners: f64,
+    /// Rectangles where the model has them in their cells.
+    pub shape: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { prox: 0.3, boundary: 0.1, corners: 0.3, shape: 0.01 }
+    }
+}
+
+/// What Stage 3 works on.
+#[derive(Clone, Copy)]
+pub struct Problem<'a> {
+    /// The cells.
+    pub cover: &'a Cover,
+    /// Their combinatorics.
+    pub mesh: &'a BistableMesh,
+    /// The model cell, in millimetres.
+    pub cell: &'a BistableCell,
+    /// What the states are held to.
+    pub goals: Goals<'a>,
+    /// Weights.
+    pub weights: &'a Weights,
+}
+
+/// Where the points stand among the unknowns.
+struct Unknowns {
+    /// For each corner of the sheet its number among the unknown ones.
+    slot: Vec<Option<usize>>,
+    /// Likewise for the corners of the grid: those of the border are corners of the sheet.
+    grid_slot: Vec<usize>,
+    /// Number of unknown points of the unexpanded state.
+    closed_count: usize,
+    closed_dimension: usize,
+    open_dimension: usize,
+}
+
+impl Unknowns {
+    fn new(mesh: &BistableMesh, goals: &Goals) -> Self {
+        let mut closed_count = 0;
+        let mut next = || {
+            closed_count += 1;
+            closed_count - 1
+        };
+        let slot: Vec<Option<usize>> =
+            (0..mesh.corner_count).map(|corner| (!mesh.is_meeting(corner)).then(&mut next)).collect();
+        let grid_slot =
+            mesh.outline.iter().map(|own| own.and_then(|own| slot[own]).unwrap_or_else(&mut next));
+        Self {
+            grid_slot: grid_slot.collect(),
+            slot,
+            closed_count,
+            closed_dimension: goals.closed.dimension(),
+            open_dimension: goals.open.dimension(),
+        }
+    }
+
+    fn closed_at(&self, slot: usize) -> PointAt {
+        PointAt { start: self.closed_dimension * slot, dimension: self.closed_dimension }
+    }
+
+    /// A corner of the sheet that is not a crossing inside it.
+    fn corner(&self, corner: usize) -> PointAt {
+        self.closed_at(self.slot[corner].expect("crossings inside the sheet are no unknowns"))
+    }
+
+    fn open(&self, i: usize) -> PointAt {
+        let start = self.closed_dimension * self.closed_count + self.open_dimension * i;
+        PointAt { start, dimension: self.open_dimension }
+    }
+
+    /// The unknowns of a pattern and of the grid's corners; or anything else that has points in these places.
+    fn pack(&self, pattern: &BistablePattern, grid: &[Point3], scale: f64) -> Vec<f64> {
+        let mut closed = vec![Point3::origin(); self.closed_count];
+        for (point, slot) in grid.iter().zip(&self.grid_slot) {
+            closed[*slot] = *point;
+        }
+        for (point, slot) in pattern.corners.iter().zip(&self.slot) {
+            if let Some(slot) = slot {
+                closed[*slot] = *point;
+            }
+        }
+        let closed =
+            closed.iter().flat_map(|p| p.iter().take(self.closed_dimension).copied().collect::<Vec<_>>());
+        let open =
+            pattern.open.iter().flat_map(|p| p.iter().take(self.open_dimension).copied().collect::<Vec<_>>());
+        closed.chain(open).map(|value| value / scale).collect()
+    }
+
+    fn unpack(&self, x: &[f64], scale: f64, pattern: &mut BistablePattern) {
+        for (point, slot) in pattern.corners.iter_mut().zip(&self.slot) {
+            if let Some(slot) = slot {
+                *point = self.closed_at(*slot).point(x, scale);
+            }
+        }
+        for (i, point) in pattern.open.iter_mut().enumerate() {
+            *point = self.open(i).point(x, scale);
+        }
+    }
+
+    /// A place of each unknown on the grid, for the order of elimination.
+    fn places(&self, problem: &Problem) -> Vec<[f64; 2]> {
+        let Problem { cover, mesh, cell, .. } = problem;
+        let grid: Vec<Point3> = cover.places.iter().map(|[x, y]| Point3::new(*x, *y, 0.0)).collect();
+        let pattern = fitted(cell, &cover.mesh, mesh, &grid, &grid);
+        // Packed with one unknown per point, the list holds the points' coordinates.
+        let flat = |dimension: [usize; 2]| {
+            let each = Self {
+                slot: self.slot.clone(),
+                grid_slot: self.grid_slot.clone(),
+                closed_dimension: 2,
+                open_dimension: 2,
+                ..*self
+            };
+            let both = each.pack(&pattern, &grid, 1.0);
+            let (closed, open) = both.split_at(2 * self.closed_count);
+            let repeat = |points: &[f64], times: usize| -> Vec<[f64; 2]> {
+                points.chunks_exact(2).flat_map(|p| vec![[p[0], p[1]]; times]).collect()
+            };
+            [repeat(closed, dimension[0]), repeat(open, dimension[1])].concat()
+        };
+        flat([self.closed_dimension, self.open_dimension])
+    }
+}
+
+/// A run of steps with the same weights: the factor of the soft terms, and when to stop.
+struct Phase {
+    soft: f64,
+    options: Options,
+}
+
+/// Soft phases whose weights phase out, and the hard one: isometry and flatness alone.
+fn phases() -> Vec<Phase> {
+    const SOFT: [(f64, usize, f64); 3] = [(1.0, 20, 1e-3), (0.1, 12, 1e-3), (0.01, 12, 1e-3)];
+    let soft = SOFT.iter().map(|&(soft, iterations, energy_tolerance)| Phase {
+        soft,
+        options: Options { iterations, energy_tolerance, ..Options::default() },
+    });
+    let hard = Options {
+        iterations: 20,
+        energy_tolerance: 0.5,
+        energy_floor: 1e-28,
+        damping: 1e-6,
+        ..Options::default()
+    };
+    soft.chain([Phase { soft: 0.0, options: hard }]).collect()
+}
+
+/// Most steps of all phases together.
+pub fn most_steps() -> usize {
+    phases().iter().map(|phase| phase.options.iterations).sum()
+}
+
+/// Optimises a pattern, at first that of the model cell fitted to the control meshes, whose unexpanded corners are given
+/// too. Returns it with one report per phase; `name` is that of the minimisations in the journal.
+pub fn stage3(
+    problem: &Problem,
+    start: BistablePattern,
+    corners: &[Point3],
+    name: &str,
+    run: &mut Run,
+) -> (BistablePattern, Vec<Report>) {
+    let &Problem { cover, mesh, cell, goals, .. } = problem;
+    let scale = cover.cell.edge();
+    let at = Unknowns::new(mesh, &goals);
+    let mut grid = corners.to_vec();
+    let mut pattern = start.clone();
+    let mut systems = [(); 2].map(|()| System::new(at.places(problem)));
+    let mut reports = Vec::new();
+    let phases = phases();
+    for (number, phase) in phases.iter().enumerate() {
+        pattern.settle(mesh, cell.gap);
+        let terms = || {
+            let mut terms = hard_terms(mesh, &at, &pattern, scale);
+            if phase.soft > 0.0 {
+                terms.extend(soft_terms(problem, &start, &at, phase.soft));
+            }
+            terms
+        };
+        let later: usize = phases[number + 1..].iter().map(|phase| phase.options.iterations).sum();
+        let watch = &mut |step: &Step| (run.watch)(&Step { phase: number, later, ..*step });
+        let mut x = at.pack(&pattern, &grid, scale);
+        let system = &mut systems[usize::from(phase.soft == 0.0)];
+        let report = run.journal.minimize(name, system, terms, &mut x, &phase.options, watch);
+        at.unpack(&x, scale, &mut pattern);
+        for (point, slot) in grid.iter_mut().zip(&at.grid_slot) {
+            *point = at.closed_at(*slot).point(&x, scale);
+        }
+        let interrupted = report.termination == Termination::Interrupted;
+        reports.push(report);
+        if interrupted {
+            break;
+        }
+    }
+    pattern.cross(mesh);
+    (pattern, reports)
+}
+
+fn hard_terms(
+    mesh: &BistableMesh,
+    at: &Unknowns,
+    pattern: &BistablePattern,
+    scale: f64,
+) -> Vec<Weighted<'static>> {
+    let vertex = |vertex: &Vertex| {
+        let (offset, open) = match vertex.role {
+            Role::Hinge => (pattern.offsets[vertex.corner] / scale, vertex.corner),
+            Role::Free(open) => (nalgebra::zero(), open),
+            Role::Carried => return None,
+        };
+        Some((ClosedVertex { corner: at.corner(vertex.corner), offset, lift: None }, at.open(open)))
+    };
+    let piece = |vertices: &Vec<Vertex>| {
+        let (closed, open) = vertices.iter().filter_map(vertex).unzip();
+        PieceAt { closed, open }
+    };
+    let pieces: Vec<PieceAt> = mesh.pieces.iter().map(piece).collect();
+    let terms: [Box<dyn Term>; 2] = [Box::new(Isometry::new(&pieces)), Box::new(Planarity::new(&pieces))];
+    terms.into_iter().map(|term| Weighted { term, weight: 1.0, coupling: Coupling::Full }).collect()
+}
+
+/// Closeness, boundary, fixed corners and shape. Where no grid follows the outline border points are held to where they
+/// are at the `start`.
+fn soft_terms<'a>(
+    problem: &Problem<'a>,
+    start: &BistablePattern,
+    at: &Unknowns,
+    factor: f64,
+) -> Vec<Weighted<'a>> {
+    let &Problem { cover, mesh, goals, weights, .. } = problem;
+    let mut terms: Vec<(Box<dyn Term + 'a>, f64)> = vec![(Box::new(shape(problem, at)), weights.shape)];
+    let by = [weights.prox, weights.boundary, weights.corners];
+    let free: Vec<Vertex> =
+        mesh.pieces.iter().flatten().filter(|vertex| matches!(vertex.role, Role::Free(_))).copied().collect();
+    for state in [State::Open, State::Closed] {
+        let points: Vec<PointAt> = match state {
+            State::Open => (0..mesh.open_count).map(|i| at.open(i)).collect(),
+            State::Closed => (0..mesh.corner_count).filter_map(|c| Some(at.closed_at(at.slot[c]?))).collect(),
+        };
+        let border: Vec<(PointAt, Point3)> = free
+            .iter()
+            .map(|vertex| match (state, vertex.role) {
+                (State::Open, Role::Free(open)) => (at.open(open), start.open[open]),
+                _ => (at.corner(vertex.corner), start.corners[vertex.corner]),
+            })
+            .collect();
+        let tip = |corner: usize| {
+            let own = mesh.outline[corner].expect("fixed corners are on the border");
+            let vertex = free.iter().find(|vertex| vertex.corner == own).expect("and have a free vertex");
+            match (state, vertex.role) {
+                (State::Open, Role::Free(open)) => at.open(open),
+                _ => at.corner(own),
+            }
+        };
+        let held = held(cover, goals, state, points.into_iter(), border.into_iter(), tip);
+        terms
+            .extend(held.into_iter().zip(by).map(|(term, weight)| (Box::new(term) as Box<dyn Term>, weight)));
+    }
+    let asked = terms.into_iter().filter(|(_, weight)| *weight > 0.0);
+    asked.map(|(term, weight)| Weighted { term, weight: weight * factor, coupling: Coupling::Full }).collect()
+}
+
+/// How far each corner of a rectangle is from where the model has it in its cell.
+fn shape(problem: &Problem, at: &Unknowns) -> LinearTerm {
+    let &Problem { cover, mesh, cell, .. } = problem;
+    let grid = &cover.mesh;
+    let block = |corner: usize| {
+        let (c, m) = (corner / 4, corner % 4);
+        let model: Point2 = handed(grid.counter_clockwise[c], m, |i| cell.passing(i));
+        let weights = bilinear(model, cell.cell);
+        let corners = (0..4).map(|k| (at.closed_at(at.grid_slot[grid.pieces[c][k]]), -weights[k]));
+        std::iter::once((at.corner(corner), 1.0)).chain(corners).collect()
+    };
+    let blocks: Vec<Vec<(PointAt, f64)>> = (0..4 * mesh.cells).map(block).collect();
+    LinearTerm::new("shape", at.closed_dimension, &blocks)
+}
