@@ -201,11 +201,15 @@ pub const DEFAULTS: [(&str, &str); 17] = [
     ("fabrication.kerf_mm", "the profile's kerf"),
     ("fabrication.process", "\"laser\""),
     ("fabrication.dxf", "\"r2000\""),
-    ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
+    (
+        "solver.stage-2",
+        "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }; of bistable sheets geom = \
+         0.01, fair = 0.01 for each 144 cells",
+    ),
     (
         "solver.stage-3",
         "{ prox = 0.6, boundary = 0.05, corners = 0.6, fair = 0.001, opening = 0.001, rectangles = 0.001, \
-         sides = 0.0001, widths = 0.1 }; of bistable sheets { prox = 0.3, boundary = 0.1, corners = 0.3, shape = 0.01 }",
+         sides = 0.0001, widths = 0.1 }; of bistable sheets { prox = 0.3, boundary = 0.1, corners = 0.3, shape = 1.0 }",
     ),
 ];
 

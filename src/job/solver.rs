@@ -21,9 +21,13 @@ pub struct Solver {
 
 impl Solver {
     /// The defaults. Where the opening varies there is no constant mean stretch to ask for, and the paper leaves out
-    /// fairness: it would make openings alike.
-    pub fn of(opening: Opening) -> Self {
+    /// fairness: it would make openings alike. Bistable cells may differ, so that Stage 2 keeps them even rather than equal:
+    /// with the weights of rotating pieces cells in the middle of a dome would shrink to nothing.
+    pub fn of(opening: Opening, bistable: bool) -> Self {
         let mut solver = Self::default();
+        if bistable {
+            solver.stage2 = stage2::Weights { geom: 0.01, fair: 0.01, ..solver.stage2 };
+        }
         if opening == Opening::Variable {
             solver.stage2.geom = 0.0;
             solver.stage3 = stage3::Weights { fair: 0.0, opening: 0.0, sides: 0.0, ..solver.stage3 };
@@ -83,7 +87,7 @@ pub(super) fn solver(
     opening: Opening,
     bistable: bool,
 ) -> Result<Solver, TomlError> {
-    let mut solver = Solver::of(opening);
+    let mut solver = Solver::of(opening, bistable);
     let (weights2, weights3, snapping) = (&mut solver.stage2, &mut solver.stage3, &mut solver.bistable);
     let (raw2, raw3) = (&raw.stage2, &raw.stage3);
     let common: [Entry; 6] = [

@@ -9,6 +9,7 @@ use crate::geometry::read::ReadMeshError;
 use crate::geometry::topology::{Defect, NotADisk};
 use crate::geometry::triangulate::TriangulateError;
 use crate::geometry::{Point2, Point3};
+use crate::kirigami::bistable::reach::OutOfReach;
 use crate::kirigami::cover::CoverError;
 use crate::kirigami::design::Piece;
 use crate::kirigami::feasibility::MOST_STRETCH_RATIO;
@@ -88,6 +89,9 @@ pub enum PipelineError {
         path.display()
     )]
     NoMap { path: PathBuf },
+    /// Bistable cells that cannot have the stretches asked for.
+    #[error(transparent)]
+    OutOfReach(#[from] Box<OutOfReach>),
     /// The optimisation did not reach the limits.
     #[error(
         "the pattern does not reach the target: {}; it is farthest off near ({:.2}, {:.2}, {:.2}) mm. {MAP_HINT}",
@@ -146,6 +150,7 @@ impl PipelineError {
             Self::Stretch { .. }
             | Self::TooSmall { .. }
             | Self::Folded { .. }
+            | Self::OutOfReach(_)
             | Self::Shortfall { .. }
             | Self::Invalid(_)
             | Self::Fabrication(_)

@@ -91,6 +91,16 @@ impl BistableCell {
         across + (half - along) * angle.tan()
     }
 
+    /// The model of a cell with other sides A and B and other stretches, the rectangle in proportion: what Eq. (2) leaves
+    /// free is chosen so that the rectangle keeps its part of the cell's area.
+    pub fn restretched(&self, cell: [f64; 2], stretches: [f64; 2]) -> Self {
+        // Half of Eq. (2): b sin(phi) and a sin(phi). A cell that hardly opens keeps a small angle.
+        let half = [0, 1].map(|i| 0.5 * (stretches[i] - 1.0).max(LEAST_OPENING) * cell[i]);
+        let share = self.rectangle[0] * self.rectangle[1] / (self.cell[0] * self.cell[1]);
+        let sin = (half[0] * half[1] / (share * cell[0] * cell[1])).sqrt().min(MOST_SINE);
+        Self { cell, rectangle: [half[1] / sin, half[0] / sin], phi: sin.asin(), gap: self.gap }
+    }
+
     /// Checks inequalities (3), with the gap: every prolonged side meets its edge of the cell, not the next one.
     pub fn misses(&self) -> Vec<Miss> {
         let miss = |side: usize| {
@@ -105,28 +115,37 @@ impl BistableCell {
         [0, 1].into_iter().filter_map(miss).collect()
     }
 
-    /// Whether a cell of these sides A and B can have these stretches at all, and with which a, b and phi it does so with
-    /// most room to inequalities (3), without a gap. Stretches must be 1 or more.
-    pub fn with_stretches(cell: [f64; 2], stretches: [f64; 2]) -> Option<Self> {
-        // Eq. (2) gives a and b for every phi; the room that is left decides.
+    /// The width of the necks that pieces have where slits meet their cell's edge: the distance from there to the edge's
+    /// end. Negative where inequality (3) does not hold.
+    pub fn neck(&self) -> f64 {
+        let neck = |side: usize| 0.5 * self.cell[1 - side] - self.crossing(2 - side);
+        neck(0).min(neck(1))
+    }
+
+    /// Whether a cell of these sides A and B can have these stretches at all with necks of this width and this gap, and with
+    /// which a, b and phi it has the widest. Stretches must be more than 1.
+    pub fn with_stretches(cell: [f64; 2], stretches: [f64; 2], gap: f64, neck: f64) -> Option<Self> {
+        // Eq. (2) gives a and b for every phi; the neck that is left decides.
         let at = |phi: f64| {
             let sin = phi.sin();
             let b = 0.5 * (stretches[0] - 1.0) * cell[0] / sin;
             let a = 0.5 * (stretches[1] - 1.0) * cell[1] / sin;
-            Self { cell, rectangle: [a, b], phi, gap: 0.0 }
+            Self { cell, rectangle: [a, b], phi, gap }
         };
-        let room = |phi: f64| {
-            let Self { rectangle: [a, b], .. } = at(phi);
-            let (sin, cos) = phi.sin_cos();
-            let [big_a, big_b] = cell;
-            (big_a * cos - big_b * sin - a).min(big_b * cos - big_a * sin - b)
-        };
-        const STEPS: usize = 450;
+        // Rectangles smaller than the gap have no slits that pass their hinges.
+        let width = |phi: f64| Some(at(phi).neck()).filter(|w| !w.is_nan()).unwrap_or(f64::NEG_INFINITY);
+        const STEPS: usize = 90;
         let angles = (1..STEPS).map(|i| i as f64 * std::f64::consts::FRAC_PI_4 / STEPS as f64);
-        let best = angles.max_by(|p, q| room(*p).total_cmp(&room(*q)))?;
-        (stretches.iter().all(|&m| m > 1.0) && room(best) > 0.0).then(|| at(best))
+        let best = angles.max_by(|p, q| width(*p).total_cmp(&width(*q)))?;
+        (stretches.iter().all(|&m| m > 1.0) && width(best) > neck).then(|| at(best))
     }
 }
+
+/// Cells are taken to open by at least this much.
+const LEAST_OPENING: f64 = 0.02;
+
+/// The sine of 22.5 degrees, at which square cells can grow most.
+const MOST_SINE: f64 = 0.382_683;
 
 #[cfg(test)]
 mod tests {
@@ -188,13 +207,33 @@ mod tests {
     }
 
     #[test]
+    fn necks_are_what_inequalities_3_leave() {
+        let cell = square(0.0);
+        let (sin, cos) = cell.phi.sin_cos();
+        assert!((cell.neck() - 0.5 * (cos - sin - 0.42) / cos).abs() < 1e-14);
+        assert!(square(0.05).neck() < cell.neck());
+        let wide = BistableCell::with_stretches([10.0; 2], [1.3; 2], 0.3, 0.8).unwrap();
+        assert!(wide.neck() > 0.8 && (wide.stretches()[0] - 1.3).abs() < 1e-12);
+        assert!(BistableCell::with_stretches([10.0; 2], [1.3; 2], 0.3, 1.2).is_none());
+    }
+
+    #[test]
+    fn restretched_cells_have_the_stretches_asked_for() {
+        let same = square(0.3).restretched([1.0; 2], square(0.3).stretches());
+        assert!((same.phi - square(0.3).phi).abs() < 1e-12 && (same.rectangle[1] - 0.42).abs() < 1e-12);
+        let other = square(0.3).restretched([1.1, 0.9], [1.2, 1.3]);
+        assert!(other.stretches().iter().zip([1.2, 1.3]).all(|(m, asked)| (m - asked).abs() < 1e-12));
+        assert!((other.rectangle[0] * other.rectangle[1] - 0.42 * 0.42 * 0.99).abs() < 1e-12);
+    }
+
+    #[test]
     fn cells_are_found_for_stretches_within_reach_only() {
-        let found = BistableCell::with_stretches([1.0; 2], [1.26; 2]).unwrap();
+        let found = BistableCell::with_stretches([1.0; 2], [1.26; 2], 0.0, 0.0).unwrap();
         assert!(found.misses().is_empty());
         assert!(found.stretches().iter().all(|m| (m - 1.26).abs() < 1e-12));
         // For squares the largest stretch is sqrt 2, at 22.5 degrees and with pieces that touch the bound.
-        assert!(BistableCell::with_stretches([1.0; 2], [1.41; 2]).is_some());
-        assert!(BistableCell::with_stretches([1.0; 2], [1.415; 2]).is_none());
-        assert!(BistableCell::with_stretches([1.0; 2], [0.99, 1.2]).is_none());
+        assert!(BistableCell::with_stretches([1.0; 2], [1.41; 2], 0.0, 0.0).is_some());
+        assert!(BistableCell::with_stretches([1.0; 2], [1.415; 2], 0.0, 0.0).is_none());
+        assert!(BistableCell::with_stretches([1.0; 2], [0.99, 1.2], 0.0, 0.0).is_none());
     }
 }

@@ -1,12 +1,14 @@
 //! The start of Stage 3: the model cell in every quad of the control meshes (section 3.4).
 //!
-//! A quad takes the model's points by the bilinear map of the model's rectangle onto it. Of all maps that are linear along
-//! the edges it is the one that takes the corners to the corners, so that neighbours match: they have the same points on
-//! their common edge.
+//! One model does not fit quads that are stretched by different amounts. So every quad has its own, with the stretches that
+//! the control meshes have there ([`BistableCell::restretched`]): they vary as smoothly as the meshes do. A quad takes the
+//! points of its model by the bilinear map of the model's rectangle onto it. Slits of neighbours meet where their lines
+//! cross.
 
 use super::cell::BistableCell;
-use super::mesh::{BistableMesh, Role};
+use super::mesh::{BistableMesh, Passing, Role};
 use super::pattern::BistablePattern;
+use super::reach::Asked;
 use crate::geometry::{Point2, Point3, Vector3};
 use crate::kirigami::piece_mesh::PieceMesh;
 
@@ -28,17 +30,49 @@ pub fn handed(turned: bool, m: usize, at: impl Fn(usize) -> Point2) -> Point2 {
     Point2::new(-p.x, p.y)
 }
 
-/// The share of a grid edge, from its first corner to its second, at which a slit of this cell meets it; `m` is the corner
-/// that the slit passes.
-fn share(cell: &BistableCell, turned: bool, m: usize) -> f64 {
-    let (i, sign) = if turned { (m, 1.0) } else { (MIRRORED[m], -1.0) };
-    let length = cell.cell[1 - i % 2];
-    0.5 + sign * cell.crossing(i) / length
+/// The share of its cell's edge, counter-clockwise around the cell, at which the slit that passes a corner of a rectangle
+/// meets that edge.
+pub fn exit_share(models: &[BistableCell], grid: &PieceMesh, corner: usize) -> f64 {
+    let (c, m) = (corner / 4, corner % 4);
+    let (i, sign) = if grid.counter_clockwise[c] { (m, 1.0) } else { (MIRRORED[m], -1.0) };
+    0.5 + sign * models[c].crossing(i) / models[c].cell[1 - i % 2]
 }
 
-/// The pattern of these control meshes: corners of the grid in both states.
+/// The ends of the edge that a slit of a cell meets, counter-clockwise around that cell: corners of the grid.
+pub fn edge_of_cell(grid: &PieceMesh, mesh: &BistableMesh, slit: &Passing, cell: usize) -> [usize; 2] {
+    let edge = &grid.edges[slit.crossing - 4 * mesh.cells];
+    if edge.piece == cell { edge.corners } else { [edge.corners[1], edge.corners[0]] }
+}
+
+/// What the quads of control meshes, corners of the grid in both states, ask of their cells.
+pub fn asked(grid: &PieceMesh, closed: &[Point3], open: &[Point3]) -> Vec<Asked> {
+    let local = |quad: &Vec<usize>| {
+        // The mean length of two opposite sides.
+        let mean = |corners: &[Point3], side: usize| {
+            let length = |i: usize| (corners[quad[(i + 1) % 4]] - corners[quad[i]]).norm();
+            0.5 * (length(side) + length(side + 2))
+        };
+        let cell = [0, 1].map(|side| mean(closed, side));
+        let stretches = [0, 1].map(|side| mean(open, side) / cell[side]);
+        let at = Point3::from(quad.iter().map(|&k| open[k].coords).sum::<Vector3>() / 4.0);
+        Asked { cell, stretches, at }
+    };
+    grid.pieces.iter().map(local).collect()
+}
+
+/// The model cell of each quad of control meshes: `model` with the quad's own sides and stretches.
+pub fn local_models(
+    model: &BistableCell,
+    grid: &PieceMesh,
+    closed: &[Point3],
+    open: &[Point3],
+) -> Vec<BistableCell> {
+    asked(grid, closed, open).iter().map(|asked| model.restretched(asked.cell, asked.stretches)).collect()
+}
+
+/// The pattern of these control meshes: corners of the grid in both states, and the model of each cell.
 pub fn fitted(
-    cell: &BistableCell,
+    models: &[BistableCell],
     grid: &PieceMesh,
     mesh: &BistableMesh,
     closed: &[Point3],
@@ -55,7 +89,7 @@ pub fn fitted(
     };
     for corner in 0..4 * mesh.cells {
         let (c, m) = (corner / 4, corner % 4);
-        let turned = grid.counter_clockwise[c];
+        let (cell, turned) = (&models[c], grid.counter_clockwise[c]);
         let at = handed(turned, m, |i| cell.passing(i));
         let hinge = handed(turned, m, |i| cell.hinge(i, cell.phi));
         let snapped = handed(turned, m, |i| cell.hinge(i, -cell.phi));
@@ -64,11 +98,8 @@ pub fn fitted(
         pattern.open[corner] = map(open, c, snapped, cell.expanded());
     }
     for (corner, slit) in mesh.passing.iter().enumerate() {
-        let (c, turned) = (corner / 4, grid.counter_clockwise[corner / 4]);
-        let edge = &grid.edges[slit.crossing - 4 * mesh.cells];
-        let share = share(cell, turned, corner % 4);
-        // Counter-clockwise around the cell.
-        let [p, q] = if edge.piece == c { edge.corners } else { [edge.corners[1], edge.corners[0]] };
+        let share = exit_share(models, grid, corner);
+        let [p, q] = edge_of_cell(grid, mesh, slit, corner / 4);
         pattern.corners[slit.crossing] = closed[p] + (closed[q] - closed[p]) * share;
     }
     for (corner, own) in mesh.outline.iter().enumerate() {
@@ -76,14 +107,13 @@ pub fn fitted(
             pattern.corners[*own] = closed[corner];
         }
     }
-    place_free(cell, grid, mesh, &mut pattern, [closed, open]);
+    place_free(grid, mesh, &mut pattern, [closed, open]);
     pattern
 }
 
 /// Open points of free vertices: each piece around a corner of the grid moves, as the model has it, without turning: its
 /// crossings keep their distance from that corner.
 fn place_free(
-    cell: &BistableCell,
     grid: &PieceMesh,
     mesh: &BistableMesh,
     pattern: &mut BistablePattern,
@@ -98,10 +128,9 @@ fn place_free(
                 continue;
             };
             let far = edge.other_end(corner);
-            let part = (pattern.corners[vertex.corner] - closed[corner]).norm()
-                / (closed[far] - closed[corner]).norm();
-            let stretch = cell.stretches()[edge.direction];
-            pattern.open[at] = open[corner] + (open[far] - open[corner]) * (part / stretch);
+            let distance = (pattern.corners[vertex.corner] - closed[corner]).norm();
+            let along = (open[far] - open[corner]).try_normalize(0.0).unwrap_or_default();
+            pattern.open[at] = open[corner] + along * distance;
         }
     }
 }

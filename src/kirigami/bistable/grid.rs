@@ -77,7 +77,9 @@ fn asked_edge(cell: &BistableCell, cover: &Cover) -> f64 {
     let corner = |[i, j]: &[f64; 2]| Point3::new(i * cell.cell[0], j * cell.cell[1], 0.0);
     let corners: Vec<Point3> = cover.places.iter().map(corner).collect();
     // Only the unexpanded state counts.
-    fitted(cell, &cover.mesh, &mesh, &corners, &corners).design(&mesh, cell.gap, None).mean_edge()
+    fitted(&vec![*cell; mesh.cells], &cover.mesh, &mesh, &corners, &corners)
+        .design(&mesh, cell.gap, None)
+        .mean_edge()
 }
 
 /// A point, its coordinate across an axis multiplied.

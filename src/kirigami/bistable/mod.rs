@@ -14,6 +14,8 @@ pub mod pattern;
 
 pub mod fit;
 
+pub mod reach;
+
 pub mod grid;
 
 pub mod optimise;

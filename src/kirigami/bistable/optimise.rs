@@ -6,8 +6,8 @@
 //! the cells' inner corners, which only the shape term knows.
 
 use super::cell::BistableCell;
-use super::fit::{bilinear, fitted, handed};
-use super::mesh::{BistableMesh, Role, Vertex};
+use super::fit::{bilinear, edge_of_cell, exit_share, fitted, handed};
+use super::mesh::{BistableMesh, Passing, Role, Vertex};
 use super::pattern::BistablePattern;
 use crate::geometry::{Point2, Point3};
 use crate::kirigami::control_mesh::Goals;
@@ -32,7 +32,7 @@ pub struct Weights {
 
 impl Default for Weights {
     fn default() -> Self {
-        Self { prox: 0.3, boundary: 0.1, corners: 0.3, shape: 0.01 }
+        Self { prox: 0.3, boundary: 0.1, corners: 0.3, shape: 1.0 }
     }
 }
 
@@ -43,8 +43,10 @@ pub struct Problem<'a> {
     pub cover: &'a Cover,
     /// Their combinatorics.
     pub mesh: &'a BistableMesh,
-    /// The model cell, in millimetres.
-    pub cell: &'a BistableCell,
+    /// The model of each cell, in millimetres.
+    pub models: &'a [BistableCell],
+    /// Twice the distance of a hinge from the slit that passes it, millimetres.
+    pub gap: f64,
     /// What the states are held to.
     pub goals: Goals<'a>,
     /// Weights.
@@ -128,9 +130,9 @@ impl Unknowns {
 
     /// A place of each unknown on the grid, for the order of elimination.
     fn places(&self, problem: &Problem) -> Vec<[f64; 2]> {
-        let Problem { cover, mesh, cell, .. } = problem;
+        let Problem { cover, mesh, models, .. } = problem;
         let grid: Vec<Point3> = cover.places.iter().map(|[x, y]| Point3::new(*x, *y, 0.0)).collect();
-        let pattern = fitted(cell, &cover.mesh, mesh, &grid, &grid);
+        let pattern = fitted(models, &cover.mesh, mesh, &grid, &grid);
         // Packed with one unknown per point, the list holds the points' coordinates.
         let flat = |dimension: [usize; 2]| {
             let each = Self {
@@ -188,7 +190,7 @@ pub fn stage3(
     name: &str,
     run: &mut Run,
 ) -> (BistablePattern, Vec<Report>) {
-    let &Problem { cover, mesh, cell, goals, .. } = problem;
+    let &Problem { cover, mesh, gap, goals, .. } = problem;
     let scale = cover.cell.edge();
     let at = Unknowns::new(mesh, &goals);
     let mut grid = corners.to_vec();
@@ -197,7 +199,7 @@ pub fn stage3(
     let mut reports = Vec::new();
     let phases = phases();
     for (number, phase) in phases.iter().enumerate() {
-        pattern.settle(mesh, cell.gap);
+        pattern.settle(mesh, gap);
         let terms = || {
             let mut terms = hard_terms(mesh, &at, &pattern, scale);
             if phase.soft > 0.0 {
@@ -288,17 +290,26 @@ fn soft_terms<'a>(
     asked.map(|(term, weight)| Weighted { term, weight: weight * factor, coupling: Coupling::Full }).collect()
 }
 
-/// How far each corner of a rectangle is from where the model has it in its cell.
+/// How far each corner of a rectangle is from where the model has it in its cell, and each exit of a slit from its place on
+/// the cell's edge.
 fn shape(problem: &Problem, at: &Unknowns) -> LinearTerm {
-    let &Problem { cover, mesh, cell, .. } = problem;
+    let &Problem { cover, mesh, models, .. } = problem;
     let grid = &cover.mesh;
     let block = |corner: usize| {
         let (c, m) = (corner / 4, corner % 4);
+        let cell = &models[c];
         let model: Point2 = handed(grid.counter_clockwise[c], m, |i| cell.passing(i));
         let weights = bilinear(model, cell.cell);
         let corners = (0..4).map(|k| (at.closed_at(at.grid_slot[grid.pieces[c][k]]), -weights[k]));
         std::iter::once((at.corner(corner), 1.0)).chain(corners).collect()
     };
-    let blocks: Vec<Vec<(PointAt, f64)>> = (0..4 * mesh.cells).map(block).collect();
+    let exit = |(corner, slit): (usize, &Passing)| {
+        let out = at.slot[slit.crossing]?;
+        let (c, share) = (corner / 4, exit_share(models, grid, corner));
+        let [p, q] = edge_of_cell(grid, mesh, slit, c).map(|k| at.closed_at(at.grid_slot[k]));
+        Some(vec![(at.closed_at(out), 1.0), (p, share - 1.0), (q, -share)])
+    };
+    let exits = mesh.passing.iter().enumerate().filter_map(exit);
+    let blocks: Vec<Vec<(PointAt, f64)>> = (0..4 * mesh.cells).map(block).chain(exits).collect();
     LinearTerm::new("shape", at.closed_dimension, &blocks)
 }

@@ -130,6 +130,7 @@ pub fn regular(cell: &BistableCell, [columns, rows]: [usize; 2]) -> (BistableMes
     let corners = |[a, b]: [f64; 2]| -> Vec<Point3> {
         places.iter().map(|[i, j]| Point3::new(a * f64::from(*i), b * f64::from(*j), 0.0)).collect()
     };
-    let pattern = fitted(cell, &grid, &mesh, &corners(cell.cell), &corners(cell.expanded()));
+    let pattern =
+        fitted(&vec![*cell; cells.len()], &grid, &mesh, &corners(cell.cell), &corners(cell.expanded()));
     (mesh, pattern)
 }
