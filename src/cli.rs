@@ -14,6 +14,7 @@ mod open_state;
 mod partial;
 mod progress;
 mod results;
+mod verify;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -100,6 +101,17 @@ enum Command {
         #[command(flatten)]
         reporting: Reporting,
     },
+    /// Read the cut files of a folder back, burn them on paper and measure what is left, against the design.
+    Verify {
+        /// A folder with design.json, cut.dxf and cut.svg.
+        folder: PathBuf,
+        /// A profile's name or file [default: the one that hinges.json of the folder names].
+        #[arg(short, long)]
+        profile: Option<String>,
+        /// List every fault, not only the first ones of each kind.
+        #[arg(long)]
+        all: bool,
+    },
     /// Take over a design made elsewhere: pieces in two states become a design.json.
     Import(import::Arguments),
     /// Write a design for other programs.
@@ -127,7 +139,9 @@ impl Command {
             Self::Make { reporting, .. }
             | Self::Design { reporting, .. }
             | Self::Fabricate { reporting, .. } => reporting.json,
-            Self::Check { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => false,
+            Self::Check { .. } | Self::Verify { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => {
+                false
+            }
         }
     }
 }
@@ -182,6 +196,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fabricate { design, profile, output, allow_failing_hinges, reporting } => {
             fabricate::run(&design, &profile, &output, allow_failing_hinges, &reporting)
         }
+        Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Profiles => list_profiles(),
