@@ -2,7 +2,7 @@
 //!
 //! The nearest groove to the hinge point gives one wall of the ligament; the other is looked for on the opposite side.
 //! The width is that through the hinge point; the neck is the least distance of the two walls over the length that the
-//! hinge's angle asks of the ligament.
+//! hinge's angle asks of the ligament, and both walls must be that long.
 
 use kurbo::{Point, Vec2};
 use rayon::prelude::*;
@@ -22,6 +22,12 @@ pub const WIDTH_TOLERANCE: f64 = 0.01;
 /// Largest distance of a ligament's centre from its hinge point beside what the design's own gap forces, millimetres.
 pub const CENTRE_TOLERANCE: f64 = 0.01;
 
+/// How much shorter than its angle asks a ligament may be, millimetres: as much as a length is rounded to.
+pub(super) const LENGTH_TOLERANCE: f64 = 0.01;
+/// How far a wall may lead away from the hinge and still bound the ligament, in ligament widths: the slit that passes
+/// bends there, where the sheet has cuts by a large angle.
+const WALL_BEND: f64 = 0.5;
+
 /// Half the angle in which the far wall is looked for: wide enough for a wall that stands askew, and less than a right
 /// angle, so that cuts beside the ligament do not count.
 const CONE: f64 = 70.0 * std::f64::consts::PI / 180.0;
@@ -33,6 +39,8 @@ struct Ligament {
     width: f64,
     /// Least distance of the walls.
     neck: f64,
+    /// Length of the shorter wall, and the length that the hinge's angle asks for.
+    length: [f64; 2],
     /// Distance of the middle from where it should be.
     off: f64,
     /// Distance of that from the hinge point.
@@ -43,6 +51,8 @@ struct Ligament {
 pub(super) struct Ligaments {
     /// Least and largest width, least neck.
     pub widths: [f64; 3],
+    /// Least and largest free length.
+    pub lengths: [f64; 2],
     /// Largest distance of a centre from its hinge, and what of it the design's gap forces.
     pub centre: [f64; 2],
 }
@@ -59,13 +69,19 @@ pub(super) fn check(
     let forced = forced(wanted);
     let measured: Vec<Result<Ligament, String>> =
         design.hinges.par_iter().map(|hinge| ligament_of(hinge, grooves, wanted, forced)).collect();
-    let mut all = Ligaments { widths: [f64::INFINITY, 0.0, f64::INFINITY], centre: [0.0, forced.abs()] };
+    let mut all = Ligaments {
+        widths: [f64::INFINITY, 0.0, f64::INFINITY],
+        lengths: [f64::INFINITY, 0.0],
+        centre: [0.0, forced.abs()],
+    };
     for (id, (hinge, ligament)) in design.hinges.iter().zip(measured).enumerate() {
         let says = match ligament {
             Err(reason) => vec![reason],
             Ok(ligament) => {
                 let [least, most, neck] = all.widths;
                 all.widths = [least.min(ligament.width), most.max(ligament.width), neck.min(ligament.neck)];
+                let [shortest, longest] = all.lengths;
+                all.lengths = [shortest.min(ligament.length[0]), longest.max(ligament.length[0])];
                 all.centre[0] = all.centre[0].max(ligament.off + ligament.forced);
                 wrong(ligament, width)
             }
@@ -97,7 +113,8 @@ fn forced(wanted: Wanted) -> f64 {
 fn ligament_of(hinge: &Hinge, grooves: &Grooves, wanted: Wanted, forced: f64) -> Result<Ligament, String> {
     let Wanted { design, profile, .. } = wanted;
     let point = Point::new(hinge.point.x, hinge.point.y);
-    let length = required_length(profile, hinge.angle).unwrap_or(profile.ligament.min_length);
+    // Where the angle asks for more than the profile's longest ligament, that one is made, and the hinge fails.
+    let length = required_length(profile, hinge.angle).unwrap_or(profile.ligament.max_length);
     let here = measure(grooves, point, length, profile);
     if forced == 0.0 || here.as_ref().is_ok_and(|found| wrong(*found, profile.ligament.width).is_empty()) {
         return here;
@@ -112,7 +129,7 @@ fn ligament_of(hinge: &Hinge, grooves: &Grooves, wanted: Wanted, forced: f64) ->
 }
 
 fn wrong(ligament: Ligament, width: f64) -> Vec<String> {
-    let Ligament { width: found, neck, off, forced } = ligament;
+    let Ligament { width: found, neck, length: [length, needed], off, forced } = ligament;
     let mut says = Vec::new();
     if (found - width).abs() > WIDTH_TOLERANCE {
         says.push(format!(
@@ -121,6 +138,11 @@ fn wrong(ligament: Ligament, width: f64) -> Vec<String> {
     } else if width - neck > WIDTH_TOLERANCE {
         let limit = width - WIDTH_TOLERANCE;
         says.push(format!("the ligament is {neck:.3} mm wide at its neck, the limit is {limit:.3} mm"));
+    }
+    if length < needed - LENGTH_TOLERANCE {
+        says.push(format!(
+            "the ligament is free over {length:.3} mm, its angle needs {needed:.3} mm, the limit is {LENGTH_TOLERANCE} mm less"
+        ));
     }
     if off > CENTRE_TOLERANCE {
         let place = if forced > 0.0 {
@@ -169,13 +191,48 @@ fn measure(grooves: &Grooves, point: Point, length: f64, profile: &Profile) -> R
             "no cut is within {reach:.2} mm on one side of the hinge point: the ligament is not cut free"
         ));
     }
+    let band = WALL_BEND * profile.ligament.width;
+    let walls = [(side, near_distance), (-side, far_distance)].map(|(side, distance)| {
+        let middle = point + (distance + half_kerf) * side;
+        wall_length(&near, middle, side, band) + 2.0 * half_kerf
+    });
     let [first, second] = [side, -side].map(|side| -> Vec<[Point; 2]> {
         near.iter().filter_map(|&segment| clipped(segment, point, side, 0.5 * length)).collect()
     });
     let gaps = first.iter().flat_map(|&a| second.iter().map(move |&b| segment_gap(a, b).0));
     let width = near_distance + far_distance;
     let neck = (gaps.fold(f64::INFINITY, f64::min) - 2.0 * half_kerf).min(width);
-    Ok(Ligament { width, neck, off: 0.5 * (far_distance - near_distance).abs(), forced: 0.0 })
+    let off = 0.5 * (far_distance - near_distance).abs();
+    Ok(Ligament { width, neck, length: [walls[0].min(walls[1]), length], off, forced: 0.0 })
+}
+
+/// Twice the length by which a wall goes on to both sides of its middle, within a band about it: a ligament is as free
+/// as it is to its shorter side.
+fn wall_length(near: &[[Point; 2]], middle: Point, side: Vec2, band: f64) -> f64 {
+    let along = side.turn_90();
+    let strip = [(middle - band * side, side), (middle + band * side, -side)];
+    let parts = near.iter().filter_map(|&segment| {
+        strip.into_iter().try_fold(segment, |segment, (origin, normal)| half_plane(segment, origin, normal))
+    });
+    let mut spans: Vec<[f64; 2]> = parts
+        .map(|part| part.map(|end| (end - middle).dot(along)))
+        .map(|[a, b]| [a.min(b), a.max(b)])
+        .collect();
+    spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    // The spans that hang together about the middle.
+    let mut wall = [0.0_f64; 2];
+    for [from, to] in spans.iter().filter(|[_, to]| *to >= -1e-6) {
+        if *from <= wall[1] + 1e-6 {
+            wall[1] = wall[1].max(*to);
+        }
+    }
+    spans.sort_by(|a, b| b[1].total_cmp(&a[1]));
+    for [from, to] in spans.iter().filter(|[from, _]| *from <= 1e-6) {
+        if *to >= wall[0] - 1e-6 {
+            wall[0] = wall[0].min(*from);
+        }
+    }
+    2.0 * wall[1].min(-wall[0])
 }
 
 /// The part of a segment in the cone about a direction.

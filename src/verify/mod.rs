@@ -98,6 +98,8 @@ pub struct Figures {
     pub pieces_held: usize,
     /// Least and largest width of the ligaments through the hinge points, least width anywhere along them.
     pub ligament_widths: [f64; 3],
+    /// Least and largest free length of the ligaments.
+    pub ligament_lengths: [f64; 2],
     /// Largest distance of a ligament's centre from its hinge point, and that which the design itself forces.
     pub ligament_centre: [f64; 2],
     /// Largest distance of a piece's cuts from its sides.
@@ -169,6 +171,7 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
         bodies: burned.bodies,
         pieces_held: burned.pieces_held,
         ligament_widths: ligaments.widths,
+        ligament_lengths: ligaments.lengths,
         ligament_centre: ligaments.centre,
         piece_deviation,
         web,

@@ -12,6 +12,7 @@ pub fn table(figures: &Figures, wanted: Wanted) -> String {
     let profile = wanted.profile;
     let width = profile.ligament.width;
     let [least, most, neck] = figures.ligament_widths;
+    let [shortest, longest] = figures.ligament_lengths;
     let [off, forced] = figures.ligament_centre;
     let row = |label: &str, value: String, limit: String| [label.to_owned(), value, limit];
     let mut rows = vec![row("checked", "measured".to_owned(), "limit".to_owned())];
@@ -39,6 +40,11 @@ pub fn table(figures: &Figures, wanted: Wanted) -> String {
             format!("{width} +- {WIDTH_TOLERANCE} mm"),
         ),
         row("ligament neck", millimetres(neck), format!(">= {:.3} mm", width - WIDTH_TOLERANCE)),
+        row(
+            "ligament length",
+            format!("{shortest:.4} to {longest:.4} mm"),
+            "what its angle needs".to_owned(),
+        ),
         row("ligament off its hinge", millimetres(off), format!("{:.3} mm", forced + CENTRE_TOLERANCE)),
         row("web between cuts", millimetres(figures.web), format!(">= {} mm", profile.laser.min_web)),
         row("gap between cuts' ends", millimetres(figures.end_gap), String::new()),
