@@ -1,6 +1,7 @@
 //! The command line: the only place that opens output files and prints.
 //!
-//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, interrupted, or a hinge that fails.
+//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, interrupted, a hinge that fails, or cut
+//! files that are not what the design asks for.
 
 mod check;
 mod design;
@@ -33,7 +34,7 @@ struct Arguments {
 }
 
 const EXIT_HELP: &str = "Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, target not reached, \
-                         interrupted, or a hinge that fails. Ctrl-C stops at the next step and leaves design.partial.json \
+                         interrupted, a hinge or a cut file that fails. Ctrl-C stops at the next step and leaves design.partial.json \
                          in the results' folder, from which --resume goes on; a second Ctrl-C stops at once (130).";
 
 #[derive(Debug, Subcommand)]

@@ -95,7 +95,7 @@ fn unharmed_sheets_pass_with_the_designed_figures() {
 /// The name of a seeded fault, the checks of which one must notice, and the change.
 type Seed = (&'static str, &'static [Check], fn(&mut CutLayout, &Sample));
 
-const CLOSED_SEEDS: [Seed; 20] = [
+const CLOSED_SEEDS: [Seed; 21] = [
     ("first slit longer at its end", &[Check::Ligament], |layout, _| lengthen(layout, 0, 0.1, true)),
     // It begins at the border.
     ("first slit longer at its start", &[Check::End], |layout, _| lengthen(layout, 0, 0.1, false)),
@@ -104,6 +104,12 @@ const CLOSED_SEEDS: [Seed; 20] = [
     ("slit missing", &[Check::Piece], |layout, _| _ = layout.paths.remove(nth(layout, CutKind::Slit, 100))),
     ("bar missing", &[Check::Ligament], |layout, _| {
         _ = layout.paths.remove(nth(layout, CutKind::Relief, 100))
+    }),
+    ("bar moved along itself", &[Check::Ligament], |layout, _| {
+        let bar = nth(layout, CutKind::Relief, 100);
+        let vertices = &layout.paths[bar].vertices;
+        let along = (vertices[1].point - vertices[0].point).normalize();
+        moved(&mut layout.paths[bar], |p| p + 0.1 * along);
     }),
     ("slit cut twice", &[Check::Duplicate], |layout, _| again(layout, CutKind::Slit, |path| path)),
     ("bar cut twice", &[Check::Duplicate], |layout, _| again(layout, CutKind::Relief, |path| path)),

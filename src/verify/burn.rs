@@ -134,7 +134,7 @@ impl<'a> Windows<'a> {
         self.contours.iter().map(|(_, contour)| contour_box(contour).x1.abs()).fold(1.0, f64::max)
     }
 
-    /// Length of a closed cut's own points, for messages.
+    /// Where a cut begins, for messages.
     fn first_point(&self, index: usize) -> Point {
         self.paths[index].vertices[0].point
     }

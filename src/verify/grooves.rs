@@ -44,8 +44,12 @@ impl<'a> Grooves<'a> {
         for (path, cut) in paths.iter().enumerate() {
             let mut start = 0.0;
             for ends in cut.segments(FLAT) {
-                segments.push(Segment { path, ends, start });
-                start += ends[0].distance(ends[1]);
+                // Without a length there is no direction; the path's own checks tell of such segments.
+                let segment = Segment { path, ends, start };
+                if segment.length() > 0.0 {
+                    segments.push(segment);
+                }
+                start += segment.length();
             }
             lengths.push(start);
         }

@@ -24,6 +24,9 @@ pub const CENTRE_TOLERANCE: f64 = 0.01;
 
 /// How much shorter than its angle asks a ligament may be, millimetres: as much as a length is rounded to.
 pub(super) const LENGTH_TOLERANCE: f64 = 0.01;
+/// How far a ligament's middle may be moved along it, in its widths: the layout does so where sides are too short, and
+/// the hinge report warns of it from half of that on.
+const SHIFT: f64 = 0.1;
 /// How far a wall may lead away from the hinge and still bound the ligament, in ligament widths: the slit that passes
 /// bends there, where the sheet has cuts by a large angle.
 const WALL_BEND: f64 = 0.5;
@@ -41,6 +44,8 @@ struct Ligament {
     neck: f64,
     /// Length of the shorter wall, and the length that the hinge's angle asks for.
     length: [f64; 2],
+    /// Twice the least length of a wall to one side of the hinge.
+    centred: f64,
     /// Distance of the middle from where it should be.
     off: f64,
     /// Distance of that from the hinge point.
@@ -129,7 +134,7 @@ fn ligament_of(hinge: &Hinge, grooves: &Grooves, wanted: Wanted, forced: f64) ->
 }
 
 fn wrong(ligament: Ligament, width: f64) -> Vec<String> {
-    let Ligament { width: found, neck, length: [length, needed], off, forced } = ligament;
+    let Ligament { width: found, neck, length: [length, needed], centred, off, forced } = ligament;
     let mut says = Vec::new();
     if (found - width).abs() > WIDTH_TOLERANCE {
         says.push(format!(
@@ -142,6 +147,13 @@ fn wrong(ligament: Ligament, width: f64) -> Vec<String> {
     if length < needed - LENGTH_TOLERANCE {
         says.push(format!(
             "the ligament is free over {length:.3} mm, its angle needs {needed:.3} mm, the limit is {LENGTH_TOLERANCE} mm less"
+        ));
+    }
+    let shift = 0.5 * (needed - centred);
+    if shift > SHIFT * width + LENGTH_TOLERANCE {
+        let limit = SHIFT * width + LENGTH_TOLERANCE;
+        says.push(format!(
+            "the ligament is {shift:.3} mm too short to one side of the hinge, the limit is {limit:.3} mm"
         ));
     }
     if off > CENTRE_TOLERANCE {
@@ -194,8 +206,10 @@ fn measure(grooves: &Grooves, point: Point, length: f64, profile: &Profile) -> R
     let band = WALL_BEND * profile.ligament.width;
     let walls = [(side, near_distance), (-side, far_distance)].map(|(side, distance)| {
         let middle = point + (distance + half_kerf) * side;
-        wall_length(&near, middle, side, band) + 2.0 * half_kerf
+        let [before, after] = wall(&near, middle, side, band).map(|length| length + half_kerf);
+        [before + after, 2.0 * before.min(after)]
     });
+    let [[first_length, first_centred], [second_length, second_centred]] = walls;
     let [first, second] = [side, -side].map(|side| -> Vec<[Point; 2]> {
         near.iter().filter_map(|&segment| clipped(segment, point, side, 0.5 * length)).collect()
     });
@@ -203,12 +217,18 @@ fn measure(grooves: &Grooves, point: Point, length: f64, profile: &Profile) -> R
     let width = near_distance + far_distance;
     let neck = (gaps.fold(f64::INFINITY, f64::min) - 2.0 * half_kerf).min(width);
     let off = 0.5 * (far_distance - near_distance).abs();
-    Ok(Ligament { width, neck, length: [walls[0].min(walls[1]), length], off, forced: 0.0 })
+    Ok(Ligament {
+        width,
+        neck,
+        length: [first_length.min(second_length), length],
+        centred: first_centred.min(second_centred),
+        off,
+        forced: 0.0,
+    })
 }
 
-/// Twice the length by which a wall goes on to both sides of its middle, within a band about it: a ligament is as free
-/// as it is to its shorter side.
-fn wall_length(near: &[[Point; 2]], middle: Point, side: Vec2, band: f64) -> f64 {
+/// The lengths by which a wall goes on to both sides of its middle, within a band about it.
+fn wall(near: &[[Point; 2]], middle: Point, side: Vec2, band: f64) -> [f64; 2] {
     let along = side.turn_90();
     let strip = [(middle - band * side, side), (middle + band * side, -side)];
     let parts = near.iter().filter_map(|&segment| {
@@ -232,7 +252,7 @@ fn wall_length(near: &[[Point; 2]], middle: Point, side: Vec2, band: f64) -> f64
             wall[0] = wall[0].min(*from);
         }
     }
-    2.0 * wall[1].min(-wall[0])
+    [-wall[0], wall[1]]
 }
 
 /// The part of a segment in the cone about a direction.

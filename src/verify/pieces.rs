@@ -110,10 +110,10 @@ fn farthest(grooves: &Grooves, side: &Side, corner: f64) -> (f64, Point) {
     let [from, to] = side.ends;
     let margin = (corner / from.distance(to)).min(0.4);
     let sample = |i: usize| {
-        let at = from.lerp(to, margin + (1.0 - 2.0 * margin) * i as f64 / 4.0);
+        let at = from.lerp(to, margin + (1.0 - 2.0 * margin) * i as f64 / 2.0);
         (grooves.nearest(at).map_or(f64::INFINITY, |(distance, _)| distance), at)
     };
-    (0..5).map(sample).fold((0.0, from), |worst, next| if next.0 > worst.0 { next } else { worst })
+    (0..3).map(sample).fold((0.0, from), |worst, next| if next.0 > worst.0 { next } else { worst })
 }
 
 /// Cuts where no side is.
