@@ -1,6 +1,7 @@
 //! The command line: the only place that opens output files and prints.
 //!
-//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, interrupted, or a hinge that fails.
+//! Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, not reached, interrupted, a hinge that fails, or cut
+//! files that are not what the design asks for.
 
 mod check;
 mod design;
@@ -14,6 +15,7 @@ mod open_state;
 mod partial;
 mod progress;
 mod results;
+mod verify;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -32,7 +34,7 @@ struct Arguments {
 }
 
 const EXIT_HELP: &str = "Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, target not reached, \
-                         interrupted, or a hinge that fails. Ctrl-C stops at the next step and leaves design.partial.json \
+                         interrupted, a hinge or a cut file that fails. Ctrl-C stops at the next step and leaves design.partial.json \
                          in the results' folder, from which --resume goes on; a second Ctrl-C stops at once (130).";
 
 #[derive(Debug, Subcommand)]
@@ -100,6 +102,17 @@ enum Command {
         #[command(flatten)]
         reporting: Reporting,
     },
+    /// Read the cut files of a folder back, burn them on paper and measure what is left, against the design.
+    Verify {
+        /// A folder with design.json, cut.dxf and cut.svg.
+        folder: PathBuf,
+        /// A profile's name or file [default: the one that hinges.json of the folder names].
+        #[arg(short, long)]
+        profile: Option<String>,
+        /// List every fault, not only the first ones of each kind.
+        #[arg(long)]
+        all: bool,
+    },
     /// Take over a design made elsewhere: pieces in two states become a design.json.
     Import(import::Arguments),
     /// Write a design for other programs.
@@ -127,7 +140,9 @@ impl Command {
             Self::Make { reporting, .. }
             | Self::Design { reporting, .. }
             | Self::Fabricate { reporting, .. } => reporting.json,
-            Self::Check { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => false,
+            Self::Check { .. } | Self::Verify { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => {
+                false
+            }
         }
     }
 }
@@ -182,6 +197,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fabricate { design, profile, output, allow_failing_hinges, reporting } => {
             fabricate::run(&design, &profile, &output, allow_failing_hinges, &reporting)
         }
+        Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Profiles => list_profiles(),

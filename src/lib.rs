@@ -15,7 +15,8 @@
 //!
 //! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `import` uses `kirigami` and
 //! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides
-//! nothing; `pipeline` and `cli` use all. No arrow goes back.
+//! nothing; `verify` reads machine files back and holds them against design and profile; `pipeline` and `cli` use all.
+//! No arrow goes back.
 
 pub mod toml_source;
 
@@ -36,6 +37,8 @@ pub mod import;
 pub mod fabrication;
 
 pub mod output;
+
+pub mod verify;
 
 pub mod memory;
 

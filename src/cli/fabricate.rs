@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, WriteError, write_timings};
+use super::results::Results;
 use super::{Failure, events, interrupt, print};
 use crate::fabrication::product::Product;
 use crate::kirigami::quality::{Quality, measure_alone};
@@ -57,17 +57,7 @@ pub fn run(
         dxf: DxfVersion::default(),
         figures: &figures,
     };
-    clock
-        .run("output", |_| -> Result<OutputFolder, WriteError> {
-            let out = OutputFolder::create(folder)?;
-            results.write(&out)?;
-            Ok(out)
-        })
-        .and_then(|out| {
-            out.write("timings.json", |file| write_timings(&clock.timings, file))?;
-            Ok(out.finish()?)
-        })
-        .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
+    results.leave(folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
         events::tell(&event(&product, quality, folder));

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, WriteError, file_names, no_cut_file, write_timings};
+use super::results::{Results, file_names, no_cut_file};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
 use crate::fabrication::product::Product;
 use crate::job::{Job, read_job};
@@ -43,18 +43,19 @@ pub fn run(
     clock.memory = if optimisation.ignore_memory { None } else { memory::free() };
     let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
     refuse_failing(made.product.hinges(), allow_failing)?;
-    let input = Input { job: &job, job_file, name: &name };
-    clock
-        .run("output", |_| -> Result<OutputFolder, WriteError> {
-            let out = OutputFolder::create(&folder)?;
-            write_results(&input, &made, &out)?;
-            Ok(out)
-        })
-        .and_then(|out| {
-            out.write("timings.json", |file| write_timings(&clock.timings, file))?;
-            Ok(out.finish()?)
-        })
-        .map_err(|error| Failure::BadInput(format!("cannot write the results: {error}")))?;
+    let input = Input { job: &job, name: &name };
+    Results {
+        name: &name,
+        target: &input.target_name(),
+        hashes: &source_hashes(&job, job_file),
+        product: &made.product,
+        quality: &made.quality,
+        stages: &made.stages,
+        profile: &job.fabrication.profile,
+        dxf: job.fabrication.dxf,
+        figures: &figures(&made),
+    }
+    .leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
         events::tell(&result_event(&made, &input, &folder));
@@ -94,7 +95,6 @@ fn remark(made: &Made, input: &Input) -> Option<String> {
 /// What the results were made from.
 struct Input<'a> {
     job: &'a Job,
-    job_file: &'a Path,
     name: &'a str,
 }
 
@@ -104,22 +104,6 @@ impl Input<'_> {
         let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         self.job.target.meshes().into_iter().map(name).collect::<Vec<_>>().join(", ")
     }
-}
-
-fn write_results(input: &Input, made: &Made, out: &OutputFolder) -> Result<(), WriteError> {
-    let hashes = source_hashes(input.job, input.job_file);
-    let results = Results {
-        name: input.name,
-        target: &input.target_name(),
-        hashes: &hashes,
-        product: &made.product,
-        quality: &made.quality,
-        stages: &made.stages,
-        profile: &input.job.fabrication.profile,
-        dxf: input.job.fabrication.dxf,
-        figures: &figures(made),
-    };
-    results.write(out)
 }
 
 /// The figures by which a person judges the result: label and value, short enough for one line of the

@@ -3,8 +3,11 @@
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 
+use super::Failure;
 use crate::fabrication::fabricate::Fabrication;
+use crate::fabrication::hinge_table::Verdict;
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
@@ -15,8 +18,9 @@ use crate::output::folder::{ASSEMBLY_FILES, FolderError, OutputFolder, SHEET_FIL
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
 use crate::output::{hinge_report, svg};
-use crate::pipeline::Timings;
+use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
+use crate::verify::{self, Fault, Files, ReadError, Wanted};
 
 /// Anything that can go wrong while results are written.
 #[derive(Debug, thiserror::Error)]
@@ -40,6 +44,7 @@ write_error_from!(
     dxf::WriteDxfError,
     svg::WriteSvgError,
     hinge_report::WriteHingesError,
+    ReadError,
     preview::WritePreviewError,
     serde_json::Error
 );
@@ -66,12 +71,60 @@ pub struct Results<'a> {
     pub figures: &'a [(String, String)],
 }
 
+/// How many faults of one check are told of files that are not left.
+const FAULTS_TOLD: usize = 3;
+
 impl Results<'_> {
-    /// Writes all files but the times.
+    /// Writes all files, reads the machine files back, and puts the folder in its place: all or nothing.
+    ///
+    /// `allow_failing`: leave files whose ligaments are wrong where the hinge's verdict says so.
     ///
     /// # Errors
-    /// What a writer refuses.
-    pub fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
+    /// What a writer refuses; machine files that are not what the design asks for.
+    pub fn leave(&self, folder: &Path, allow_failing: bool, clock: &mut Clock) -> Result<(), Failure> {
+        let refused = |error: WriteError| Failure::BadInput(format!("cannot write the results: {error}"));
+        let out = clock
+            .run("output", |_| -> Result<OutputFolder, WriteError> {
+                let out = OutputFolder::create(folder)?;
+                self.write(&out)?;
+                Ok(out)
+            })
+            .map_err(refused)?;
+        if let Product::Sheet(sheet) = self.product {
+            let faults = clock.run("verify", |_| self.verify(sheet, &out, allow_failing)).map_err(refused)?;
+            if !faults.is_empty() {
+                return Err(Failure::NotMakeable(format!(
+                    "the machine files are not what the design asks for, so none was left:\n{}This should not happen: \
+                     report it with the job",
+                    verify::faults(&faults, FAULTS_TOLD)
+                )));
+            }
+        }
+        let times = |out: OutputFolder| -> Result<(), WriteError> {
+            out.write("timings.json", |file| write_timings(&clock.timings, file))?;
+            Ok(out.finish()?)
+        };
+        times(out).map_err(refused)
+    }
+
+    /// What is wrong with the machine files that were written.
+    fn verify(
+        &self,
+        sheet: &Fabrication,
+        out: &OutputFolder,
+        allow_failing: bool,
+    ) -> Result<Vec<Fault>, WriteError> {
+        let [design, dxf, svg] = ["design.json", "cut.dxf", "cut.svg"].map(|name| out.read(name));
+        let hash = fingerprint(&design?);
+        let wanted = Wanted { design: &sheet.design, profile: self.profile, hash: &hash };
+        let mut faults = verify::verify(Files { dxf: &dxf?, svg: &svg? }, wanted)?.faults;
+        let known = |fault: &Fault| fault.hinge.is_some_and(|id| sheet.hinges[id].verdict == Verdict::Fail);
+        faults.retain(|fault| !(allow_failing && known(fault)));
+        Ok(faults)
+    }
+
+    /// Writes all files but the times.
+    fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
         let Self { product, profile, .. } = self;
         let hinges = product.hinges();
         let summary = hinge_report::summary(hinges);
@@ -97,6 +150,7 @@ impl Results<'_> {
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
             format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
+            verify::hash_comment(&fingerprint(&out.read("design.json")?)),
         ];
         out.write::<WriteError>("cut.dxf", |file| {
             Ok(dxf::write(&fabrication.layout, self.dxf, &comments, file)?)
@@ -149,10 +203,7 @@ pub fn no_cut_file(profile: &str) -> String {
 }
 
 /// Writes `timings.json`.
-///
-/// # Errors
-/// The file system's refusal.
-pub fn write_timings(timings: &Timings, out: &mut BufWriter<File>) -> Result<(), WriteError> {
+fn write_timings(timings: &Timings, out: &mut BufWriter<File>) -> Result<(), WriteError> {
     let stages: Vec<_> = timings
         .0
         .iter()

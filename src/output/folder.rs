@@ -129,6 +129,14 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Reads back one of the files that were written.
+    ///
+    /// # Errors
+    /// The file system's refusal.
+    pub fn read(&self, name: &str) -> io::Result<Vec<u8>> {
+        fs::read(self.partial.join(name))
+    }
+
     /// Puts one file of the new folder into the wanted one, beside what that holds.
     ///
     /// # Errors

@@ -52,6 +52,7 @@ pub fn write_json<W: Write>(rows: &[HingeRow], profile: &Profile, out: W) -> Res
     writeln!(out, "  \"kerf_mm\": {:?},", profile.laser.kerf)?;
     writeln!(out, "  \"ligament_width_mm\": {:?},", profile.ligament.width)?;
     writeln!(out, "  \"sheet_thickness_mm\": {:?},", profile.sheet.thickness)?;
+    writeln!(out, "  \"sheet_mm\": [{:?}, {:?}],", profile.sheet.width, profile.sheet.height)?;
     write_rows(&mut out, "  ", "hinges", rows.iter().map(JsonRow::new))?;
     writeln!(out, "\n}}")?;
     Ok(out.flush()?)

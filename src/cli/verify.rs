@@ -1,0 +1,96 @@
+//! `kirimorph verify`: the cut files of a folder, read back and measured.
+
+use std::fs;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::{Failure, print};
+use crate::output::design_json;
+use crate::pipeline::fingerprint;
+use crate::profile::{self, Profile};
+use crate::verify::{self, Files, Wanted};
+
+/// How many faults of one check are printed, unless all are asked for.
+const SHOWN: usize = 10;
+
+/// Prints what was measured; an error names what is wrong.
+pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failure> {
+    let file = folder.join("design.json");
+    let bytes = design_json::read_bytes(&file).map_err(Failure::bad_input)?;
+    let design = design_json::parse(&bytes)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+    if design.sheet_state.is_none() {
+        let says = "neither state of this design is flat, so it has no cut files to verify";
+        return Err(Failure::BadInput(format!("{}: {says}", file.display())));
+    }
+    let profile = applied_profile(folder, profile)?;
+    let [dxf, svg] = [read(&folder.join("cut.dxf"))?, read(&folder.join("cut.svg"))?];
+    let hash = fingerprint(&bytes);
+    let wanted = Wanted { design: &design, profile: &profile, hash: &hash };
+    let verified = verify::verify(Files { dxf: &dxf, svg: &svg }, wanted)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
+    if let Some(figures) = &verified.figures {
+        print(&format!(
+            "{}: {} pieces, {} hinges, profile {}, kerf {} mm\n{}",
+            folder.display(),
+            design.pieces.len(),
+            design.hinges.len(),
+            profile.name,
+            profile.laser.kerf,
+            verify::table(figures, wanted)
+        ));
+    }
+    match verified.faults.len() {
+        0 => Ok(()),
+        count => Err(Failure::NotMakeable(format!(
+            "{}: {count} fault{} in the cut files; do not cut them\n{}",
+            folder.display(),
+            if count == 1 { "" } else { "s" },
+            verify::faults(&verified.faults, if all { usize::MAX } else { SHOWN }).trim_end()
+        ))),
+    }
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, Failure> {
+    fs::read(file).map_err(|error| {
+        Failure::BadInput(format!("{} cannot be read: {error}; make the files again", file.display()))
+    })
+}
+
+/// What `hinges.json` tells of the profile: its name, and what a job may have put in place of its own numbers.
+#[derive(Deserialize)]
+struct Applied {
+    profile: String,
+    kerf_mm: f64,
+    sheet_mm: Option<[f64; 2]>,
+}
+
+/// The profile, with the kerf and the stock that the files were made for.
+fn applied_profile(folder: &Path, name: Option<&str>) -> Result<Profile, Failure> {
+    let file = folder.join("hinges.json");
+    let applied = match fs::read(&file) {
+        Ok(bytes) => Some(serde_json::from_slice::<Applied>(&bytes).map_err(|error| {
+            Failure::BadInput(format!("{}: {error}; make the files again, or give --profile", file.display()))
+        })?),
+        Err(error) if name.is_none() => {
+            let says = format!("{} cannot be read: {error}; name the profile with --profile", file.display());
+            return Err(Failure::BadInput(says));
+        }
+        Err(_) => None,
+    };
+    let name = name.or(applied.as_ref().map(|applied| applied.profile.as_str())).unwrap_or_default();
+    let mut profile = profile::load(name, Path::new(".")).map_err(|error| {
+        Failure::BadInput(format!("{error}; if it is a file of yours, name it with --profile"))
+    })?;
+    if let Some(Applied { kerf_mm, sheet_mm, .. }) = applied {
+        let [width, height] = sheet_mm.unwrap_or([profile.sheet.width, profile.sheet.height]);
+        if ![kerf_mm, width, height].iter().all(|size| size.is_finite() && *size > 0.0) {
+            let says = "kerf_mm and sheet_mm must be above 0; make the files again";
+            return Err(Failure::BadInput(format!("{}: {says}", file.display())));
+        }
+        profile.laser.kerf = kerf_mm;
+        (profile.sheet.width, profile.sheet.height) = (width, height);
+    }
+    Ok(profile)
+}
