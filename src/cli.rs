@@ -14,6 +14,7 @@ mod open_state;
 mod partial;
 mod progress;
 mod results;
+mod snap;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -104,6 +105,8 @@ enum Command {
     Import(import::Arguments),
     /// Write a design for other programs.
     Export(export::Arguments),
+    /// Follow a sheet between its states: energy, barrier, strain, and whether it is bistable.
+    Snap(snap::Arguments),
     /// List the profiles: sheet, material, laser and ligament.
     Profiles,
 }
@@ -127,7 +130,7 @@ impl Command {
             Self::Make { reporting, .. }
             | Self::Design { reporting, .. }
             | Self::Fabricate { reporting, .. } => reporting.json,
-            Self::Check { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => false,
+            Self::Check { .. } | Self::Import(_) | Self::Export(_) | Self::Snap(_) | Self::Profiles => false,
         }
     }
 }
@@ -184,6 +187,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Snap(arguments) => snap::run(&arguments),
         Command::Profiles => list_profiles(),
     };
     match result {
