@@ -35,7 +35,7 @@ fn write_design(file: &Path, design: &Design) {
         "version": 1, "units": "mm", "pattern": "bistable", "sheet_state": "closed", "gap_mm": design.gap,
         "corners": design.corners.iter().map(|p| [p.x, p.y, p.z]).collect::<Vec<_>>(),
         "pieces": design.pieces.iter().map(piece).collect::<Vec<_>>(),
-        "hinges": design.hinges.iter().map(hinge).collect::<Vec<_>>(),
+        "hinges": design.hinges.iter().map(hinge).collect::<Vec<_>>(), "report": {},
     });
     std::fs::write(file, text.to_string()).unwrap();
 }

@@ -97,7 +97,7 @@ pub fn figures(snap: &Snap) -> Vec<(String, String)> {
     ];
     if let Some(cell) = &snap.cell {
         let passage = &cell.passage;
-        let verdict = if passage.snaps() { "snaps" } else { "too loose or too stiff to snap" };
+        let verdict = if passage.snaps() { "snaps" } else { "does not snap" };
         rows.extend([
             (
                 "mean cell",

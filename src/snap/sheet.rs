@@ -12,7 +12,7 @@ use super::cell::wells;
 use super::joint::{Joint, Parting, Turning};
 use super::ligament::Ligament;
 use super::pose::Layout;
-use crate::geometry::rotation::RigidMotion;
+use crate::geometry::rotation::{RigidMotion, axis_angle};
 use crate::geometry::{Point3, Vector3, centroid};
 use crate::kirigami::design::{Design, Hinge, State};
 use crate::kirigami::hinges::relative_turn;
@@ -97,7 +97,8 @@ impl Sheet {
         let layout = Layout { centres, planar, unit };
         let mut open = vec![0.0; layout.places().len()];
         for (piece, motion) in motions.iter().enumerate() {
-            let w = nalgebra::Rotation3::from_matrix_unchecked(motion.rotation).scaled_axis();
+            let (axis, angle) = axis_angle(&motion.rotation);
+            let w = axis.map_or_else(Vector3::zeros, |axis| axis * angle);
             layout.set(&mut open, piece, &motion.apply(&layout.centres[piece]), &w);
         }
         let drive = joints.iter().map(|joint| drive_stiffness(design, joint)).collect();
