@@ -83,7 +83,7 @@ pub fn figures(snap: &Snap) -> Vec<(String, String)> {
         format!("no, goes back to {:.0} %", 100.0 * sheet.released.share)
     };
     let mut rows = vec![
-        ("stays open (elastic)", rest),
+        ("stays put (elastic)", rest),
         ("barrier", format!("{:.1} mJ out, {:.1} mJ back", sheet.barrier, sheet.back_barrier)),
         (
             "strain on the way",

@@ -23,7 +23,8 @@ pub struct Snap {
     pub cell: Option<CellSnap>,
 }
 
-/// The mean rectangle of a bistable pattern, alone in a regular sheet.
+/// The mean rectangle of a bistable pattern, alone in a regular sheet that is cut closed. One that is cut open is its mirror
+/// image, but for the directions of the ligaments, which differ by phi.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellSnap {
     /// Its dimensions.

@@ -27,12 +27,14 @@ pub struct Sheet {
     drive: Vec<f64>,
     /// Unknowns of the open state as designed.
     open: Vec<f64>,
+    /// Whether the open state is the one that is cut, from which the way then leads.
+    cut_open: bool,
 }
 
 /// A point on the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Mean turn of the hinges as a share of their full angles, weighted by these.
+    /// Turn of the hinges from the state that is cut, as a share of their full angles, in sum.
     pub share: f64,
     /// Energy, mJ.
     pub energy: f64,
@@ -45,19 +47,19 @@ pub struct Sample {
 /// A sheet's way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SheetSnap {
-    /// From closed to open, equal steps of the drive.
+    /// From the state that is cut to the other, equal steps of the drive.
     pub path: Vec<Sample>,
     /// And back, in the same order as `path`.
     pub back: Vec<Sample>,
-    /// Energy to get over from closed to open, mJ.
+    /// Energy to get over on the way out, mJ.
     pub barrier: f64,
     /// Energy to get over from the second minimum back, mJ; 0 where there is none.
     pub back_barrier: f64,
-    /// Where the sheet comes to rest when it is let go in the open state.
+    /// Where the sheet comes to rest when it is let go in the other state.
     pub released: Sample,
     /// The sample of the largest strain.
     pub worst: Sample,
-    /// Whether it stays open when it is let go there.
+    /// Whether it stays near the other state when it is let go there.
     pub bistable: bool,
 }
 
@@ -76,7 +78,8 @@ impl Sheet {
         let motions = open_motions(design);
         let unit = design.mean_edge();
         let centres: Vec<Point3> = design.pieces.iter().map(|piece| centroid(&piece.closed)).collect();
-        let at_rest = if design.sheet_state == Some(State::Open) { 1.0 } else { 0.0 };
+        let cut_open = design.sheet_state == Some(State::Open);
+        let at_rest = if cut_open { 1.0 } else { 0.0 };
         let joint = |(hinge, ligament): (&Hinge, &Ligament)| {
             let [j, k] = hinge.pieces;
             let (axis, angle) = relative_turn(&motions[j], &motions[k]);
@@ -102,22 +105,23 @@ impl Sheet {
             layout.set(&mut open, piece, &motion.apply(&layout.centres[piece]), &w);
         }
         let drive = joints.iter().map(|joint| drive_stiffness(design, joint)).collect();
-        Self { layout, joints, drive, open }
+        Self { layout, joints, drive, open, cut_open }
     }
 
-    /// Unknowns of the closed state: all zero.
-    fn closed(&self) -> Vec<f64> {
-        vec![0.0; self.open.len()]
+    /// Unknowns of the state that is cut and of the other one. Those of the closed state are zero.
+    fn ends(&self) -> [Vec<f64>; 2] {
+        let (closed, open) = (vec![0.0; self.open.len()], self.open.clone());
+        if self.cut_open { [open, closed] } else { [closed, open] }
     }
 
-    /// Follows the way in `steps` equal steps of the drive, to the open state and back.
+    /// Follows the way in `steps` equal steps of the drive, to the other state and back.
     pub fn snap(&self, steps: usize) -> SheetSnap {
         let mut system = System::new(self.layout.places());
         let share = |i: usize| i as f64 / steps as f64;
-        let path = self.follow(&mut system, self.closed(), (0..=steps).map(share));
-        let mut back = self.follow(&mut system, self.open.clone(), (0..=steps).rev().map(share));
+        let [start, mut x] = self.ends();
+        let path = self.follow(&mut system, start, (0..=steps).map(share));
+        let mut back = self.follow(&mut system, x.clone(), (0..=steps).rev().map(share));
         back.reverse();
-        let mut x = self.open.clone();
         self.minimise(&mut system, &mut x, None);
         let released = self.sample(&x);
         // Of two ways the one with less energy counts.
@@ -164,7 +168,12 @@ impl Sheet {
             weighted(Box::new(Parting::new(layout, joints)) as _, 1.0),
             weighted(Box::new(Turning::bending(layout, joints)) as _, 1.0),
             weighted(
-                Box::new(Turning::drive(layout, joints, drive, share.unwrap_or(0.0))) as _,
+                Box::new(Turning::drive(
+                    layout,
+                    joints,
+                    drive,
+                    share.map_or(0.0, |share| self.opening(share)),
+                )) as _,
                 if share.is_some() { 1.0 } else { 0.0 },
             ),
         ];
@@ -178,6 +187,11 @@ impl Sheet {
         system.minimize(&mut terms, x, &options, &mut |_| ControlFlow::Continue(()));
     }
 
+    /// The part of the full angles, from the closed state, at a share of the way; and the other way round.
+    fn opening(&self, share: f64) -> f64 {
+        if self.cut_open { 1.0 - share } else { share }
+    }
+
     /// What the sheet is like at these unknowns.
     fn sample(&self, x: &[f64]) -> Sample {
         let Self { layout, joints, .. } = self;
@@ -185,7 +199,7 @@ impl Sheet {
         let full: f64 = joints.iter().map(|joint| joint.angle).sum();
         let strains = joints.iter().map(|joint| joint.strain(layout, x)).enumerate();
         let (hinge, strain) = strains.max_by(|p, q| p.1.total_cmp(&q.1)).unwrap_or((0, 0.0));
-        let share = if full > 0.0 { turned / full } else { 0.0 };
+        let share = if full > 0.0 { self.opening(turned / full) } else { 0.0 };
         Sample { share, energy: self.energies(x).iter().sum(), strain, hinge }
     }
 

@@ -75,6 +75,10 @@ fn a_mechanism_has_no_barrier() {
     let expected = 0.5 * ligament.spring.bending * (80_f64.to_radians() * last.share).powi(2) * 17.0;
     assert!((last.energy / expected - 1.0).abs() < 1e-3, "{} {expected}", last.energy);
     assert!(!bent.bistable && bent.back_barrier == 0.0 && bent.released.energy < 1e-3 * last.energy);
+    // Cut in the open state it is at rest there, and comes back from the closed one.
+    let cut_open = snapped(&Design { sheet_state: Some(State::Open), ..design }, &ligament);
+    assert!(!cut_open.bistable && cut_open.path[0].energy < 1e-6 && cut_open.released.share.abs() < 0.1);
+    assert!((cut_open.path[12].energy / last.energy - 1.0).abs() < 1e-3);
 }
 
 #[test]
@@ -84,7 +88,7 @@ fn the_middle_of_a_regular_sheet_is_like_one_cell() {
     let sheet = Sheet::new(&design, &vec![ligament; design.hinges.len()]);
     let cell = Cell { rectangle: [8.4; 2], phi: 18_f64.to_radians() };
     let mut system = System::new(sheet.layout.places());
-    let mut x = sheet.closed();
+    let [mut x, _] = sheet.ends();
     let mut tested = 0;
     for i in 0..=12 {
         sheet.minimise(&mut system, &mut x, Some(f64::from(i) / 12.0));
