@@ -16,6 +16,7 @@ mod partial;
 mod progress;
 mod results;
 mod verify;
+mod snap;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -117,6 +118,8 @@ enum Command {
     Import(import::Arguments),
     /// Write a design for other programs.
     Export(export::Arguments),
+    /// Follow a sheet between its states: energy, barrier, strain, and whether it is bistable.
+    Snap(snap::Arguments),
     /// List the profiles: sheet, material, laser and ligament.
     Profiles,
 }
@@ -140,9 +143,12 @@ impl Command {
             Self::Make { reporting, .. }
             | Self::Design { reporting, .. }
             | Self::Fabricate { reporting, .. } => reporting.json,
-            Self::Check { .. } | Self::Verify { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => {
-                false
-            }
+            Self::Check { .. }
+            | Self::Verify { .. }
+            | Self::Import(_)
+            | Self::Export(_)
+            | Self::Snap(_)
+            | Self::Profiles => false,
         }
     }
 }
@@ -200,6 +206,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Snap(arguments) => snap::run(&arguments),
         Command::Profiles => list_profiles(),
     };
     match result {

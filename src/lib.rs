@@ -14,9 +14,9 @@
 //! `f64` everywhere inside; other units only at the rim, with a suffix in the key (`_deg`, `_mm_per_min`).
 //!
 //! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `import` uses `kirigami` and
-//! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides
-//! nothing; `verify` reads machine files back and holds them against design and profile; `pipeline` and `cli` use all.
-//! No arrow goes back.
+//! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `snap` uses these and `solver`, `solid` all but the
+//! latter; `output` writes what it is given and decides nothing; `verify` reads machine files back and holds them against
+//! design and profile; `pipeline` and `cli` use all. No arrow goes back.
 
 pub mod toml_source;
 
@@ -35,6 +35,8 @@ pub mod kirigami;
 pub mod import;
 
 pub mod fabrication;
+
+pub mod snap;
 
 pub mod output;
 

@@ -20,6 +20,8 @@ pub mod preview;
 
 pub mod stretch_map;
 
+pub mod snap_report;
+
 pub mod whole_file;
 
 pub mod exchange;
