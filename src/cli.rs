@@ -14,6 +14,7 @@ mod open_state;
 mod partial;
 mod progress;
 mod results;
+mod solids;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -14,8 +14,8 @@
 //! `f64` everywhere inside; other units only at the rim, with a suffix in the key (`_deg`, `_mm_per_min`).
 //!
 //! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `import` uses `kirigami` and
-//! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `output` writes what it is given and decides
-//! nothing; `pipeline` and `cli` use all. No arrow goes back.
+//! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `solid` uses `fabrication`; `output` writes what it
+//! is given and decides nothing; `pipeline` and `cli` use all. No arrow goes back.
 
 pub mod toml_source;
 
@@ -34,6 +34,8 @@ pub mod kirigami;
 pub mod import;
 
 pub mod fabrication;
+
+pub mod solid;
 
 pub mod output;
 
