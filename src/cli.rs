@@ -17,6 +17,7 @@ mod progress;
 mod results;
 mod verify;
 mod snap;
+mod solids;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -7,7 +7,7 @@ mod program;
 use std::f64::consts::SQRT_2;
 use std::path::{Path, PathBuf};
 
-use program::{FILES, Mesh, STEEL, asked, design, made, number, refused, run};
+use program::{FILES, Mesh, OPEN_SHEET_FILES, STEEL, asked, design, made, number, refused, run};
 use serde_json::{Value, json};
 
 /// The files of a result without a flat state, sorted.
@@ -108,7 +108,7 @@ fn check_open_target(folder: &Path, target: &str) {
 
 #[test]
 fn an_open_sheet_closes_to_a_vault_with_room_for_its_ligaments() {
-    let out = made_sample("closing", &FILES);
+    let out = made_sample("closing", &OPEN_SHEET_FILES);
     let design = check_report(&out, &["closed"], true);
     assert_eq!(design["sheet_state"], "open");
     let pieces = design["pieces"].as_array().unwrap();

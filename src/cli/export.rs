@@ -117,7 +117,7 @@ fn stl(design: &Design, state: State, thickness: f64, folder: &Path) -> Result<O
     let solids: Vec<_> = solids.collect::<Result<_, _>>()?;
     let out = create(folder, is_piece)?;
     for (index, solid) in solids.iter().enumerate() {
-        out.write(&format!("piece-{index:04}.stl"), |file| write_stl(solid, file))
+        out.write(&format!("piece-{index:04}.stl"), |file| write_stl(solid.iter().copied(), file))
             .map_err(|error| unwritten(folder, error))?;
     }
     Ok(out)

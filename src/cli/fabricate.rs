@@ -6,15 +6,16 @@ use std::path::Path;
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
 use super::results::Results;
-use super::{Failure, events, interrupt, print};
+use super::{Failure, events, interrupt, print, solids};
 use crate::fabrication::product::Product;
 use crate::kirigami::quality::{Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::dxf::DxfVersion;
-use crate::output::folder::{OutputFolder, SHEET_FILES};
+use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
 use crate::pipeline::{Clock, Progress, fingerprint};
 use crate::profile;
+use crate::solid::ThickSheet;
 
 /// Lays a design out and writes the results, all or none.
 pub fn run(
@@ -42,6 +43,7 @@ pub fn run(
         .run("fabrication", |_| lay_out(&design, &profile).map(Product::Sheet))
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(product.hinges(), allow_failing)?;
+    let thick = clock.run("solids", |_| solids::solids(&product, &profile))?;
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let origin = origin(&bytes, &file, &product);
     let quality = &origin.quality;
@@ -51,6 +53,7 @@ pub fn run(
         target: &origin.target,
         hashes: &origin.hashes,
         product: &product,
+        solids: thick.as_ref(),
         quality,
         stages: &origin.stages,
         profile: &profile,
@@ -60,9 +63,9 @@ pub fn run(
     results.leave(folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&product, quality, folder));
+        events::tell(&event(&product, thick.as_ref(), quality, folder));
     } else if !reporting.quiet {
-        print(&summary(&origin.job, &product, &figures, folder));
+        print(&summary(&origin.job, &product, thick.as_ref(), &figures, folder));
     }
     Ok(())
 }
@@ -119,23 +122,35 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn event(product: &Product, quality: &Quality, folder: &Path) -> serde_json::Value {
+fn event(
+    product: &Product,
+    thick: Option<&ThickSheet>,
+    quality: &Quality,
+    folder: &Path,
+) -> serde_json::Value {
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
     serde_json::json!({
         "event": "result",
         "status": 0,
         "folder": folder,
-        "files": SHEET_FILES,
+        "files": file_names(product),
         "pieces": product.design().pieces.len(),
         "hinges": product.hinges().len(),
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
         "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
         "figures": figures,
+        "solids": thick.map(solids::event),
     })
 }
 
-fn summary(name: &str, product: &Product, figures: &[(String, String)], folder: &Path) -> String {
+fn summary(
+    name: &str,
+    product: &Product,
+    thick: Option<&ThickSheet>,
+    figures: &[(String, String)],
+    folder: &Path,
+) -> String {
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let mut text = format!("{name}: laid out\n");
     for (label, value) in figures {
@@ -143,6 +158,9 @@ fn summary(name: &str, product: &Product, figures: &[(String, String)], folder: 
     }
     if let Some(summary) = hinge_report::summary(product.hinges()) {
         text += &format!("  {summary}\n");
+    }
+    if let Some(thick) = thick {
+        text += &solids::summary(thick);
     }
     text + &format!("Files in {}\n", folder.display())
 }

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::results::{Results, file_names, no_cut_file};
-use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
+use super::{Failure, Optimisation, events, interrupt, open_state, partial, print, solids};
 use crate::fabrication::product::Product;
+use crate::fabrication::states::other_name;
 use crate::job::{Job, read_job};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Fit, Quality};
@@ -15,6 +16,7 @@ use crate::memory;
 use crate::output::folder::OutputFolder;
 use crate::output::{design_json, hinge_report, partial_json};
 use crate::pipeline::{Clock, Made, Progress, make, source_hashes};
+use crate::solid::ThickSheet;
 
 /// Runs the job and writes its results, all or none.
 pub fn run(
@@ -43,12 +45,14 @@ pub fn run(
     clock.memory = if optimisation.ignore_memory { None } else { memory::free() };
     let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
     refuse_failing(made.product.hinges(), allow_failing)?;
+    let thick = clock.run("solids", |_| solids::solids(&made.product, &job.fabrication.profile))?;
     let input = Input { job: &job, name: &name };
     Results {
         name: &name,
         target: &input.target_name(),
         hashes: &source_hashes(&job, job_file),
         product: &made.product,
+        solids: thick.as_ref(),
         quality: &made.quality,
         stages: &made.stages,
         profile: &job.fabrication.profile,
@@ -58,15 +62,15 @@ pub fn run(
     .leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, &input, &folder));
+        events::tell(&result_event(&made, thick.as_ref(), &input, &folder));
     } else if !reporting.quiet {
-        print(&summary(&made, &input, &folder, unused_partial));
+        print(&summary(&made, thick.as_ref(), &input, &folder, unused_partial));
     }
     Ok(())
 }
 
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(made: &Made, input: &Input, folder: &Path) -> serde_json::Value {
+fn result_event(made: &Made, thick: Option<&ThickSheet>, input: &Input, folder: &Path) -> serde_json::Value {
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
@@ -83,6 +87,7 @@ fn result_event(made: &Made, input: &Input, folder: &Path) -> serde_json::Value 
         "closed": design_json::fit_object(&made.quality, State::Closed),
         "open": design_json::fit_object(&made.quality, State::Open),
         "cut_file": matches!(product, Product::Sheet(_)),
+        "solids": thick.map(solids::event),
         "remark": remark(made, input),
     })
 }
@@ -164,7 +169,13 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn summary(made: &Made, input: &Input, folder: &Path, unused_partial: bool) -> String {
+fn summary(
+    made: &Made,
+    thick: Option<&ThickSheet>,
+    input: &Input,
+    folder: &Path,
+    unused_partial: bool,
+) -> String {
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let hinges = hinge_report::summary(made.product.hinges());
@@ -177,18 +188,27 @@ fn summary(made: &Made, input: &Input, folder: &Path, unused_partial: bool) -> S
     if let Some(summary) = hinges {
         text += &format!("  {summary}\n");
     }
+    if let Some(thick) = thick {
+        text += &solids::summary(thick);
+    }
     if unused_partial {
         text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";
     }
     text += &format!("Files in {}:\n", folder.display());
-    text += match &made.product {
-        Product::Sheet(_) => {
-            "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n"
+    let files = match &made.product {
+        Product::Sheet(sheet) => {
+            let other = other_name(&sheet.design);
+            format!(
+                "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n\
+                 \x20 {:<26}  the part as a solid, and its pieces in the {other} state\n",
+                format!("part.stl, {other}.stl")
+            )
         }
         Product::Assembly(_) => {
-            "  pieces-closed.stl, pieces-open.stl   solids of the pieces in both states\n"
+            "  pieces-closed.stl, pieces-open.stl   solids of the pieces in both states\n".to_owned()
         }
     };
+    text += &files;
     text += "  preview.svg                 look at this first\n\
              \x20 hinges.csv, hinges.json     the hinge placement report\n\
              \x20 design.json, timings.json   the design with its figures, and the times\n";

@@ -14,12 +14,15 @@ use crate::kirigami::quality::Quality;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::exchange::{solids, write_stl};
-use crate::output::folder::{ASSEMBLY_FILES, FolderError, OutputFolder, SHEET_FILES, SOLIDS};
+use crate::output::folder::{
+    ASSEMBLY_FILES, FolderError, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, SHEET_FILES, SOLIDS,
+};
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
 use crate::output::{hinge_report, svg};
 use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
+use crate::solid::ThickSheet;
 use crate::verify::{self, Fault, Files, ReadError, Wanted};
 
 /// Anything that can go wrong while results are written.
@@ -59,6 +62,8 @@ pub struct Results<'a> {
     pub hashes: &'a BTreeMap<String, String>,
     /// The checked sheet, or the pieces where neither state is flat.
     pub product: &'a Product,
+    /// The sheet's solids; `None` where neither state is flat.
+    pub solids: Option<&'a ThickSheet>,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
     /// What the solver did.
@@ -156,6 +161,12 @@ impl Results<'_> {
             Ok(dxf::write(&fabrication.layout, self.dxf, &comments, file)?)
         })?;
         out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&fabrication.layout, &comments, file)?))?;
+        if let Some(solids) = self.solids {
+            let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
+            for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
+                out.write::<WriteError>(name, |file| Ok(write_stl(mesh.triangles(), file)?))?;
+            }
+        }
         let preview = Preview {
             fabrication,
             title: self.name,
@@ -171,7 +182,7 @@ impl Results<'_> {
         for (name, state) in SOLIDS.into_iter().zip([State::Closed, State::Open]) {
             let triangles = solids(&assembly.design, state, self.profile.sheet.thickness)
                 .map_err(|(piece, error)| WriteError(format!("piece {piece}: {error}")))?;
-            out.write::<WriteError>(name, |file| Ok(write_stl(&triangles, file)?))?;
+            out.write::<WriteError>(name, |file| Ok(write_stl(triangles.iter().copied(), file)?))?;
         }
         let page = AssemblyPreview {
             assembly,
@@ -188,6 +199,7 @@ impl Results<'_> {
 /// The names of the files that are written.
 pub fn file_names(product: &Product) -> &'static [&'static str] {
     match product {
+        Product::Sheet(sheet) if sheet.design.sheet_state == Some(State::Open) => &OPEN_SHEET_FILES,
         Product::Sheet(_) => &SHEET_FILES,
         Product::Assembly(_) => &ASSEMBLY_FILES,
     }
@@ -196,9 +208,9 @@ pub fn file_names(product: &Product) -> &'static [&'static str] {
 /// What is said where a profile for a laser meets a design that no laser can cut from a sheet.
 pub fn no_cut_file(profile: &str) -> String {
     format!(
-        "Neither state is flat, so there is no sheet to cut and no flat cut file, though the profile {profile} is for a \
-         laser: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be made \
-         one by one, and joined at their hinges. For a cut file give the job a flat closed or open target."
+        "Neither state is flat, so there is no sheet to cut, no part.stl and no flat cut file, though the profile {profile} \
+         is for a laser: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be \
+         made one by one, and joined at their hinges. For a cut file give the job a flat closed or open target."
     )
 }
 

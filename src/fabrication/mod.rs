@@ -37,7 +37,7 @@ pub mod product;
 pub mod error;
 
 #[cfg(test)]
-mod test_sheet;
+pub(crate) mod test_sheet;
 
 #[cfg(test)]
 mod tests;

@@ -19,7 +19,7 @@ use crate::kirigami::design::Design;
 /// A closed contour: x, y in millimetres, counter-clockwise if it bounds from outside.
 pub type Contour = Vec<[f64; 2]>;
 /// An outer contour and its holes.
-type Shape = Vec<Contour>;
+pub type Shape = Vec<Contour>;
 
 /// Step of the round ends in radians: leaves a 0.05 mm kerf's circle by a third of a micrometre.
 const CAP_STEP: f64 = 0.3;
@@ -52,6 +52,13 @@ pub fn piece_outlines(
     let regions = subtract(&sheet(paths), &burned);
     let regions = regions.into_iter().filter(|region| area(&region[0]) > scrap).collect();
     match_pieces(design, regions, scrap)
+}
+
+/// What the cuts leave of the sheet: one shape per body, its outer contour counter-clockwise, then its holes clockwise.
+/// Scraps smaller than a kerf square are left out.
+pub fn burned_bodies(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
+    let bodies = subtract(&sheet(paths), &burn(paths, kerf));
+    bodies.into_iter().filter(|body| area(&body[0]) > kerf * kerf).collect()
 }
 
 /// The grooves of all paths, as the tool leaves them: round ends, radius half the kerf.

@@ -21,6 +21,11 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
+    /// The corners of its triangles, in order.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [Point3; 3]> {
+        self.faces.iter().map(|face| face.map(|v| self.vertices[v]))
+    }
+
     /// Sum of the areas of its triangles.
     pub fn area(&self) -> f64 {
         let triangle = |face: &[usize; 3]| {

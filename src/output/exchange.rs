@@ -150,16 +150,18 @@ pub fn solids(
 ///
 /// # Errors
 /// The error of `out`.
-pub fn write_stl<W: Write>(triangles: &[[Point3; 3]], mut out: W) -> io::Result<()> {
-    let facet = |[a, b, c]: &[Point3; 3]| {
+pub fn write_stl<W: Write>(
+    triangles: impl ExactSizeIterator<Item = [Point3; 3]>,
+    mut out: W,
+) -> io::Result<()> {
+    let facet = |[a, b, c]: [Point3; 3]| {
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
         Triangle {
             normal: Normal::new(normal.map(|c| c as f32).into()),
             vertices: [a, b, c].map(|p| Vertex::new(p.coords.map(|c| c as f32).into())),
         }
     };
-    let facets: Vec<Triangle> = triangles.iter().map(facet).collect();
-    stl_io::write_stl(&mut out, facets.iter())?;
+    stl_io::write_stl(&mut out, triangles.map(facet))?;
     out.flush()
 }
 

@@ -8,9 +8,31 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// The names of the files that a run makes of a sheet.
-pub const SHEET_FILES: [&str; 7] =
-    ["design.json", "cut.dxf", "cut.svg", "hinges.csv", "hinges.json", "preview.svg", "timings.json"];
+/// The finished part as a solid.
+pub const PART: &str = "part.stl";
+
+/// The solid pieces in the other state: of a sheet that is cut closed, and of one that is cut open.
+pub const MOVED: [&str; 2] = ["open.stl", "closed.stl"];
+
+/// The names of the files that a run makes of a sheet that is cut closed.
+pub const SHEET_FILES: [&str; 9] = sheet_files(MOVED[0]);
+
+/// The names of the files that a run makes of a sheet that is cut open.
+pub const OPEN_SHEET_FILES: [&str; 9] = sheet_files(MOVED[1]);
+
+const fn sheet_files(moved: &'static str) -> [&'static str; 9] {
+    [
+        "design.json",
+        "cut.dxf",
+        "cut.svg",
+        "hinges.csv",
+        "hinges.json",
+        PART,
+        moved,
+        "preview.svg",
+        "timings.json",
+    ]
+}
 
 /// Solids of the pieces in the closed and in the open state.
 pub const SOLIDS: [&str; 2] = ["pieces-closed.stl", "pieces-open.stl"];
@@ -51,7 +73,8 @@ pub enum FolderError {
 
 /// Whether a file is one that a run makes.
 fn is_of_a_run(name: &str) -> bool {
-    SHEET_FILES.contains(&name) || ASSEMBLY_FILES.contains(&name) || name == PARTIAL
+    let lists = [&SHEET_FILES[..], &OPEN_SHEET_FILES, &ASSEMBLY_FILES];
+    lists.iter().any(|files| files.contains(&name)) || name == PARTIAL
 }
 
 /// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.

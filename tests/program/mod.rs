@@ -12,8 +12,30 @@ use std::process::Command;
 use serde_json::Value;
 
 /// The files of one run, sorted.
-pub const FILES: [&str; 7] =
-    ["cut.dxf", "cut.svg", "design.json", "hinges.csv", "hinges.json", "preview.svg", "timings.json"];
+pub const FILES: [&str; 9] = [
+    "cut.dxf",
+    "cut.svg",
+    "design.json",
+    "hinges.csv",
+    "hinges.json",
+    "open.stl",
+    "part.stl",
+    "preview.svg",
+    "timings.json",
+];
+
+/// The same of a sheet that is cut open.
+pub const OPEN_SHEET_FILES: [&str; 9] = [
+    "closed.stl",
+    "cut.dxf",
+    "cut.svg",
+    "design.json",
+    "hinges.csv",
+    "hinges.json",
+    "part.stl",
+    "preview.svg",
+    "timings.json",
+];
 
 /// How a run of the program ended.
 #[derive(Debug)]
