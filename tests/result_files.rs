@@ -518,7 +518,7 @@ fn the_hinge_report_holds_the_rows_in_full_precision() {
     let file: Value = serde_json::from_str(&hinges_text(&rows)).unwrap();
     assert_eq!(
         (&file["profile"], &file["kerf_mm"]),
-        (&json!("steel-304-0.5mm"), &json!(DOME.profile.laser.kerf))
+        (&json!("steel-304-0.5mm"), &json!(DOME.profile.cut.kerf))
     );
     assert_eq!(file["hinges"].as_array().unwrap().len(), 60);
     for (row, ours) in file["hinges"].as_array().unwrap().iter().zip(&rows) {

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
 use crate::fabrication::fabricate::Fabrication;
+use crate::fabrication::notes::applied_words;
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
@@ -96,7 +97,7 @@ impl Results<'_> {
         let profile = self.profile;
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
-            format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
+            format!("millimetres; {}", applied_words(profile)),
         ];
         out.write::<WriteError>("cut.dxf", |file| {
             Ok(dxf::write(&fabrication.layout, self.dxf, &comments, file)?)

@@ -86,7 +86,7 @@ pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Pro
 /// the profile's longest), as if their cuts were exact and nothing else were near. Where the design has no flat state
 /// the tilt is that against the mean normal of the two pieces.
 pub fn planned_rows(design: &Design, profile: &Profile) -> Vec<HingeRow> {
-    let longest = profile.ligament.max_length;
+    let longest = profile.ligament_lengths()[1];
     let plan = |(id, hinge): (usize, &Hinge)| {
         let ligament = MeasuredLigament {
             width: profile.ligament.width,
@@ -164,10 +164,10 @@ fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
         let text = format!("ligament is {:.3} mm wide instead of {width:.3} mm", row.width);
         findings.push((Verdict::Fail, text));
     }
-    if row.nearest_cut < profile.laser.min_web {
+    if row.nearest_cut < profile.cut.min_web {
         let text = format!(
-            "only {:.3} mm to the next cut, the laser needs {:.3} mm",
-            row.nearest_cut, profile.laser.min_web
+            "only {:.3} mm to the next cut, the cut needs {:.3} mm",
+            row.nearest_cut, profile.cut.min_web
         );
         findings.push((Verdict::Fail, text));
     }

@@ -25,7 +25,7 @@ pub fn place_on_sheet(
         State::Closed => closed_sheet::cuts_of(design, profile, lengths)?.0.paths,
         State::Open => open_sheet::cuts_of(design, profile, lengths)?.0.paths,
     };
-    let part = bounding_box(&paths).inset(0.5 * profile.laser.kerf);
+    let part = bounding_box(&paths).inset(0.5 * profile.cut.kerf);
     let sheet = &profile.sheet;
     let [room_x, room_y] = [sheet.width, sheet.height].map(|size| size - 2.0 * sheet.margin);
     // A nanometre of rounding may make a part that just fits seem too large.
@@ -33,7 +33,7 @@ pub fn place_on_sheet(
         // When the target is scaled, ligament and kerf around the pieces keep their size, and so does half a gap on
         // each piece's side.
         let ligaments = if state == State::Closed { profile.hinge_gap() } else { 0.0 };
-        let rim = ligaments + profile.laser.kerf;
+        let rim = ligaments + profile.cut.kerf;
         let gap_share = 0.5 * design.gap / design.mean_edge();
         let scale_in = |room: f64, size: f64| {
             let fixed = rim + gap_share * (size - rim);
@@ -55,7 +55,7 @@ fn check_lengths(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<
     if lengths.len() != design.hinges.len() {
         return Err(FabricationError::LengthCount { found: lengths.len(), expected: design.hinges.len() });
     }
-    let limit = profile.laser.kerf;
+    let limit = profile.cut.kerf;
     let bad = lengths.iter().position(|&length| !(length.is_finite() && length > limit));
     match bad {
         Some(hinge) => Err(FabricationError::BadLength { hinge, value: lengths[hinge], limit }),

@@ -86,7 +86,7 @@ fn a_job_that_says_everything() {
     assert_eq!(job.solver.stage2, stage2::Weights { fair: 0.01, prox: 0.0, ..solver.stage2 });
     assert_eq!(job.solver.stage3, stage3::Weights { widths: 0.5, sides: 2e-4, ..solver.stage3 });
     let profile = &job.fabrication.profile;
-    assert_eq!([profile.sheet.width, profile.sheet.height, profile.laser.kerf], [600.0, 800.5, 0.06]);
+    assert_eq!([profile.sheet.width, profile.sheet.height, profile.cut.kerf], [600.0, 800.5, 0.06]);
 }
 
 #[test]
@@ -275,7 +275,6 @@ fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
     let lines = [
         ("kind", "kind = \"bistable\"", "pattern.kind"),
-        ("process", "process = \"milling\"", "fabrication.process"),
         ("kind", "phi_deg = 18", "pattern.phi_deg"),
         ("kind", "A = 1.0", "pattern.A"),
         ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),

@@ -49,7 +49,7 @@ pub fn write_json<W: Write>(rows: &[HingeRow], profile: &Profile, out: W) -> Res
     let name = serde_json::to_string(&profile.name).map_err(io::Error::from)?;
     let mut out = BufWriter::new(out);
     writeln!(out, "{{\n  \"version\": {VERSION},\n  \"profile\": {name},")?;
-    writeln!(out, "  \"kerf_mm\": {:?},", profile.laser.kerf)?;
+    writeln!(out, "  \"kerf_mm\": {:?},", profile.cut.kerf)?;
     writeln!(out, "  \"ligament_width_mm\": {:?},", profile.ligament.width)?;
     writeln!(out, "  \"sheet_thickness_mm\": {:?},", profile.sheet.thickness)?;
     write_rows(&mut out, "  ", "hinges", rows.iter().map(JsonRow::new))?;

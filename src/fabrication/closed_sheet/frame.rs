@@ -93,7 +93,7 @@ pub fn corner_frames(
         let narrow = fan.border && {
             let far = |edge: usize| middle(design, topology.edges[edge].far(corner));
             let sides = [fan.edges[0], fan.edges[fan.edges.len() - 1]].map(far);
-            let room = 0.5 * longest(fan) + 3.0 * profile.laser.kerf;
+            let room = 0.5 * longest(fan) + 3.0 * profile.cut.kerf;
             notch_depth(middle(design, corner), sides, profile.hinge_gap()) > room
         };
         let kind = corner_kind(topology, corner, fan, narrow)

@@ -41,7 +41,7 @@ impl<'a> Plan<'a> {
         lengths: &'a [f64],
         profile: &Profile,
     ) -> Self {
-        Plan { topology, frames, junctions, lengths, gap: profile.hinge_gap(), kerf: profile.laser.kerf }
+        Plan { topology, frames, junctions, lengths, gap: profile.hinge_gap(), kerf: profile.cut.kerf }
     }
 
     /// Half-length of the straight stretch of the cut that passes `hinge`s at a corner, on the side of `edge`:

@@ -59,7 +59,7 @@ pub fn cuts_of(
 /// Those of [`cuts_of`]; cuts too close together; pieces that fall off or hang together; a closed state without
 /// room for the pieces or their folded ligaments.
 pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
-    let (kerf, min_web) = (profile.laser.kerf, profile.laser.min_web);
+    let (kerf, min_web) = (profile.cut.kerf, profile.cut.min_web);
     let (cuts, topology) = cuts_of(design, profile, lengths)?;
     let motions = motions(design);
     check_gaps(design, &topology, &motions, profile)?;

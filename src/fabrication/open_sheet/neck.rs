@@ -40,7 +40,7 @@ pub struct Neck {
 
 /// Radius of the cut's centre line at the roots of the ligaments, millimetres; the groove adds half a kerf.
 pub fn root_radius(profile: &Profile) -> f64 {
-    (ROOT_RADIUS * profile.ligament.width - 0.5 * profile.laser.kerf).max(0.0)
+    (ROOT_RADIUS * profile.ligament.width - 0.5 * profile.cut.kerf).max(0.0)
 }
 
 /// The neck of every hinge, in the hinges' order.

@@ -120,9 +120,9 @@ impl Weaver<'_> {
                     return Err(self.damaged(piece));
                 }
                 let ends = [start, end].map(|v| Point::new(vertices[v].x, vertices[v].y));
-                if ends[0].distance(ends[1]) < self.profile.laser.kerf {
+                if ends[0].distance(ends[1]) < self.profile.cut.kerf {
                     let (length, Point { x, y }) = (ends[0].distance(ends[1]), ends[0].midpoint(ends[1]));
-                    let needed = self.profile.laser.kerf;
+                    let needed = self.profile.cut.kerf;
                     return Err(FabricationError::ShortSide { piece, x, y, length, needed });
                 }
                 let hinge = self.topology.edges[from].hinge.map(|hinge| hinge.id);
@@ -156,6 +156,6 @@ impl Weaver<'_> {
         // Beyond a right angle the pieces meet in space otherwise than along this edge.
         let tilt = a.angle(&b).min(std::f64::consts::FRAC_PI_2);
         let room = self.profile.sheet.thickness * (0.5 * tilt).tan();
-        (0.5 * (room - self.profile.laser.kerf)).max(0.0)
+        (0.5 * (room - self.profile.cut.kerf)).max(0.0)
     }
 }

@@ -33,7 +33,7 @@ fn refused(design: &Design, length: f64) -> FabricationError {
 /// The cuts where the design lies and the ligaments measured on them.
 fn cuts(design: &Design, length: f64) -> (WindowCuts, Vec<MeasuredLigament>) {
     let (set, _) = cuts_of(design, &profile(), &vec![length; design.hinges.len()]).unwrap();
-    let ligaments = measure_ligaments(&design.hinges, &set, &CutIndex::new(&set.paths), profile().laser.kerf);
+    let ligaments = measure_ligaments(&design.hinges, &set, &CutIndex::new(&set.paths), profile().cut.kerf);
     (set, ligaments)
 }
 
