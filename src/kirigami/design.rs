@@ -26,6 +26,8 @@ impl State {
 pub enum PatternKind {
     /// Section 2.1 of the paper: rectangles that turn by about 45 degrees, "constant mean stretch".
     RotatingRectangles,
+    /// Section 2.2: rectangles that snap between two states, and 8-gons that they hold apart.
+    Bistable,
     /// Made by another program: any pieces, only as rigid as they came.
     Imported,
 }

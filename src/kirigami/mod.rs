@@ -49,3 +49,5 @@ pub mod mirror;
 pub mod filled;
 
 pub mod guides;
+
+pub mod bistable;

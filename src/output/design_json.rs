@@ -113,6 +113,7 @@ pub fn write<W: Write>(file: &DesignFile, out: W) -> Result<(), WriteDesignError
 fn pattern_name(pattern: PatternKind) -> &'static str {
     match pattern {
         PatternKind::RotatingRectangles => "rotating-rectangles",
+        PatternKind::Bistable => "bistable",
         PatternKind::Imported => "imported",
     }
 }

@@ -255,7 +255,7 @@ impl FileText {
         if self.units != UNITS {
             return Err(InvalidDesignFile::Units { found: shortened(&self.units) });
         }
-        let kinds = [PatternKind::RotatingRectangles, PatternKind::Imported];
+        let kinds = [PatternKind::RotatingRectangles, PatternKind::Bistable, PatternKind::Imported];
         let Some(pattern) = kinds.into_iter().find(|&kind| pattern_name(kind) == self.pattern) else {
             return Err(InvalidDesignFile::Pattern { found: shortened(&self.pattern) });
         };

@@ -1,0 +1,200 @@
+//! The model cell of a bistable sheet (section 2.2, Fig. 5): a rectangle a x b, turned by phi, in a cell A x B.
+//!
+//! From each corner of the rectangle one side is prolonged, pinwheel-wise, to the cell's boundary: the top side to the
+//! right edge, the right side to the bottom edge, and so on. When the sheet snaps the rectangle turns from +phi to
+//! -phi and the rest only moves apart.
+//!
+//! a x b are the sides of the rectangle of hinge points. With a gap g, the prolonged side of a hinge passes the next one
+//! at the distance g/2: it is tangent to a circle around that hinge. With g = 0 it is the rectangle's side.
+
+use crate::geometry::{Point2, Vector2};
+
+/// Dimensions of a model cell, millimetres and radians; also used for proportions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BistableCell {
+    /// Sides A and B of the cell in the unexpanded state, along the grid's first and second direction.
+    pub cell: [f64; 2],
+    /// Sides a and b of the rectangle of hinge points.
+    pub rectangle: [f64; 2],
+    /// Half the angle by which the rectangle turns, phi.
+    pub phi: f64,
+    /// Twice the distance of a hinge point from the centre line of the slit that passes it.
+    pub gap: f64,
+}
+
+/// A prolonged side that misses the edge of the cell that it must meet, inequality (3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Miss {
+    /// Which sides: 0 for those of length a, which must meet the cell's left and right edges, 1 for those of length b.
+    pub side: usize,
+    /// The bound that inequality (3) sets to the *other* side of the rectangle.
+    pub bound: f64,
+    /// By how much the side passes beyond the edge's end, along the edge.
+    pub beyond: f64,
+}
+
+impl BistableCell {
+    /// The same cell `factor` times as large, with a gap of its own.
+    pub fn scaled(&self, factor: f64, gap: f64) -> Self {
+        let scale = |sides: [f64; 2]| sides.map(|side| side * factor);
+        Self { cell: scale(self.cell), rectangle: scale(self.rectangle), phi: self.phi, gap }
+    }
+
+    /// The principal stretches lambda_1 and lambda_2 of the snap, Eq. (2).
+    pub fn stretches(&self) -> [f64; 2] {
+        let [a, b] = self.rectangle;
+        let sin = self.phi.sin();
+        [1.0 + 2.0 * b * sin / self.cell[0], 1.0 + 2.0 * a * sin / self.cell[1]]
+    }
+
+    /// Sides A' and B' of the expanded cell.
+    pub fn expanded(&self) -> [f64; 2] {
+        let stretches = self.stretches();
+        [self.cell[0] * stretches[0], self.cell[1] * stretches[1]]
+    }
+
+    /// The angle between a side of the rectangle and the slit that begins at one of its hinges and passes the other.
+    fn slant(&self, side: usize) -> f64 {
+        (0.5 * self.gap / self.rectangle[side]).asin()
+    }
+
+    /// Hinge point `i` of the rectangle about the cell's centre, the rectangle turned by `angle`; 0 to 3 stand for lower
+    /// left, lower right, upper right, upper left.
+    pub fn hinge(&self, i: usize, angle: f64) -> Point2 {
+        const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let [x, y] = [0, 1].map(|axis| 0.5 * SIGNS[i][axis] * self.rectangle[axis]);
+        let (sin, cos) = angle.sin_cos();
+        Point2::new(cos * x - sin * y, sin * x + cos * y)
+    }
+
+    /// Where the slit that passes hinge `i` is nearest to it in the unexpanded cell.
+    pub fn passing(&self, i: usize) -> Point2 {
+        // The slit that passes hinge 2 runs along the upper side; that of hinge 1 a quarter turn clockwise, and so on.
+        let quarters = i as f64 - 2.0;
+        let angle = self.phi + self.slant(i % 2) + std::f64::consts::FRAC_PI_2 * quarters;
+        self.hinge(i, self.phi) + Vector2::new(-angle.sin(), angle.cos()) * (0.5 * self.gap)
+    }
+
+    /// Where the slit that passes hinge `i` meets the cell's edge, along that edge from its middle, counter-clockwise around
+    /// the cell; the edge is the right one for hinge 2.
+    pub fn crossing(&self, i: usize) -> f64 {
+        let side = i % 2;
+        let (half, angle) = (0.5 * self.cell[side], self.phi + self.slant(side));
+        // As if the edge were the right one: the hinge where the slit begins, turned by full quarters.
+        let origin = self.hinge((i + 1) % 4, self.phi).coords;
+        let (along, across) = match i {
+            2 => (origin.x, origin.y),
+            1 => (-origin.y, origin.x),
+            0 => (-origin.x, -origin.y),
+            _ => (origin.y, -origin.x),
+        };
+        across + (half - along) * angle.tan()
+    }
+
+    /// Checks inequalities (3), with the gap: every prolonged side meets its edge of the cell, not the next one.
+    pub fn misses(&self) -> Vec<Miss> {
+        let miss = |side: usize| {
+            // The slit along the side of length a meets the right edge, of length B.
+            let half = 0.5 * self.cell[1 - side];
+            let beyond = self.crossing(2 - side) - half;
+            let (sin, cos) = self.phi.sin_cos();
+            let bound = self.cell[1 - side] * cos - self.cell[side] * sin;
+            // A figure that is not a number is a miss.
+            (beyond.is_nan() || beyond >= 0.0).then_some(Miss { side, bound, beyond })
+        };
+        [0, 1].into_iter().filter_map(miss).collect()
+    }
+
+    /// Whether a cell of these sides A and B can have these stretches at all, and with which a, b and phi it does so with
+    /// most room to inequalities (3), without a gap. Stretches must be 1 or more.
+    pub fn with_stretches(cell: [f64; 2], stretches: [f64; 2]) -> Option<Self> {
+        // Eq. (2) gives a and b for every phi; the room that is left decides.
+        let at = |phi: f64| {
+            let sin = phi.sin();
+            let b = 0.5 * (stretches[0] - 1.0) * cell[0] / sin;
+            let a = 0.5 * (stretches[1] - 1.0) * cell[1] / sin;
+            Self { cell, rectangle: [a, b], phi, gap: 0.0 }
+        };
+        let room = |phi: f64| {
+            let Self { rectangle: [a, b], .. } = at(phi);
+            let (sin, cos) = phi.sin_cos();
+            let [big_a, big_b] = cell;
+            (big_a * cos - big_b * sin - a).min(big_b * cos - big_a * sin - b)
+        };
+        const STEPS: usize = 450;
+        let angles = (1..STEPS).map(|i| i as f64 * std::f64::consts::FRAC_PI_4 / STEPS as f64);
+        let best = angles.max_by(|p, q| room(*p).total_cmp(&room(*q)))?;
+        (stretches.iter().all(|&m| m > 1.0) && room(best) > 0.0).then(|| at(best))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cell of DESIGN: a = b = 0.42, A = B = 1, phi = 18 degrees.
+    fn square(gap: f64) -> BistableCell {
+        BistableCell { cell: [1.0; 2], rectangle: [0.42; 2], phi: 18_f64.to_radians(), gap }
+    }
+
+    #[test]
+    fn stretches_follow_eq_2() {
+        let sin = 18_f64.to_radians().sin();
+        assert!((square(0.0).stretches()[0] - (1.0 + 0.84 * sin)).abs() < 1e-15);
+        let cell = BistableCell { cell: [3.0, 2.0], rectangle: [1.1, 0.7], phi: 0.2, gap: 0.0 };
+        let sin = 0.2_f64.sin();
+        assert!((cell.expanded()[0] - (3.0 + 1.4 * sin)).abs() < 1e-14);
+        assert!((cell.expanded()[1] - (2.0 + 2.2 * sin)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_prolonged_side_misses_its_edge_exactly_where_inequality_3_says() {
+        for (cell, phi) in [([1.0, 1.0], 0.3_f64), ([1.4, 1.0], 0.25), ([1.0, 1.3], 0.2)] {
+            let (sin, cos) = phi.sin_cos();
+            let bounds = [cell[0] * cos - cell[1] * sin, cell[1] * cos - cell[0] * sin];
+            for factors in [[0.999, 0.999], [0.999, 1.001], [1.001, 0.999]] {
+                let rectangle = [bounds[0] * factors[0], bounds[1] * factors[1]];
+                let misses = BistableCell { cell, rectangle, phi, gap: 0.0 }.misses();
+                // A side of the rectangle that is too long pushes the *other* pair of prolonged sides off.
+                let sides: Vec<usize> = misses.iter().map(|miss| miss.side).collect();
+                let expected: Vec<usize> = [0, 1].into_iter().filter(|&s| factors[1 - s] > 1.0).collect();
+                assert_eq!(sides, expected, "{cell:?} {factors:?}");
+                assert!(misses.iter().all(|miss| (miss.bound - bounds[1 - miss.side]).abs() < 1e-14));
+            }
+        }
+    }
+
+    #[test]
+    fn slits_pass_hinges_at_half_the_gap_and_begin_at_hinges() {
+        let cell = BistableCell { cell: [10.0, 9.0], rectangle: [4.0, 3.5], phi: 0.3, gap: 0.6 };
+        for i in 0..4 {
+            let (m, h) = (cell.passing(i), cell.hinge(i, cell.phi));
+            let origin = cell.hinge((i + 1) % 4, cell.phi);
+            assert!(((m - h).norm() - 0.3).abs() < 1e-14);
+            assert!((m - h).dot(&(m - origin)).abs() < 1e-13, "tangent from the hinge where the slit begins");
+            // The crossing lies on the same line.
+            let half = [0.5 * cell.cell[0], 0.5 * cell.cell[1]];
+            let c = cell.crossing(i);
+            let edge = match i {
+                2 => Point2::new(half[0], c),
+                1 => Point2::new(c, -half[1]),
+                0 => Point2::new(-half[0], -c),
+                _ => Point2::new(-c, half[1]),
+            };
+            let (along, to) = (m - origin, edge - origin);
+            assert!(along.perp(&to).abs() < 1e-13 * to.norm() * 10.0, "{i}");
+            assert!(to.norm() > along.norm());
+        }
+    }
+
+    #[test]
+    fn cells_are_found_for_stretches_within_reach_only() {
+        let found = BistableCell::with_stretches([1.0; 2], [1.26; 2]).unwrap();
+        assert!(found.misses().is_empty());
+        assert!(found.stretches().iter().all(|m| (m - 1.26).abs() < 1e-12));
+        // For squares the largest stretch is sqrt 2, at 22.5 degrees and with pieces that touch the bound.
+        assert!(BistableCell::with_stretches([1.0; 2], [1.41; 2]).is_some());
+        assert!(BistableCell::with_stretches([1.0; 2], [1.415; 2]).is_none());
+        assert!(BistableCell::with_stretches([1.0; 2], [0.99, 1.2]).is_none());
+    }
+}
