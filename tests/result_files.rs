@@ -533,6 +533,8 @@ fn the_hinge_report_holds_the_rows_in_full_precision() {
             ("effective_length_mm", ours.effective_length),
             ("centre_offset_mm", ours.centre_offset),
             ("strain", ours.strain),
+            ("stiffness_n_mm_per_rad", ours.stiffness),
+            ("width_margin_mm", ours.width_margin),
         ] {
             assert_eq!(row[key].as_f64(), Some(value), "{key}");
         }

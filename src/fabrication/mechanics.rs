@@ -1,7 +1,8 @@
 //! Mechanics of a hinge: a ligament that bends as a beam while two pieces turn against each other.
 //!
 //! In: a [`Profile`], the ligament's free length and the hinge's turning angle. Out: strain, stiffness, the length
-//! that an angle needs, and a fatigue class. The beam has constant curvature: a fibre at its face strains by
+//! that an angle needs, and a fatigue class. Effective lengths L are those of E b h^3 / (12 K), K the turning stiffness.
+//! A notch has one, by the beam integral ([`super::notch`]). A beam between relief bars has two: it has constant curvature: a fibre at its face strains by
 //! h theta / (2 L), with h the ligament's width and L its effective length. While elastic, the roots bend too and L is
 //! the free length plus `root_compliance` widths (finite elements); once the outer fibre yields, strain gathers in the
 //! free part and L is the free length. Above some 10 % the strain is an index to compare hinges by, not a
@@ -14,6 +15,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use super::notch::{Sides, effective_length};
 use crate::profile::{Beam, Material, Profile, Shape};
 
 /// Free lengths are rounded up to this many steps per millimetre: finer than any laser places a cut.
@@ -81,7 +83,7 @@ impl fmt::Display for Fatigue {
 /// A ligament at the full angle of its hinge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeLoad {
-    /// The length that the strain is computed with, millimetres: elastic or free, as the class says.
+    /// The length that the strain is computed with, millimetres: a beam's is elastic or free, as the class says.
     pub effective_length: f64,
     /// Nominal strain of the outer fibre.
     pub strain: f64,
@@ -135,22 +137,10 @@ fn plastic_length(profile: &Profile, free_length: f64) -> f64 {
     let kerf = profile.cut.kerf;
     match profile.ligament.shape {
         Shape::Beam(_) | Shape::Rounded(_) => free_length,
-        Shape::Notch { .. } => free_length - kerf + notch_length(0.5 * kerf, profile.ligament.width),
+        Shape::Notch { .. } => {
+            free_length - kerf + effective_length(0.5 * kerf, profile.ligament.width, Sides::One)
+        }
     }
-}
-
-/// Effective length of a round notch of `radius` on one side of a ligament, `width` wide where it is narrowest: by the
-/// beam integral over (width / h)^3 along the notch, h = width + radius - sqrt(radius^2 - x^2).
-pub fn notch_length(radius: f64, width: f64) -> f64 {
-    // With x = radius sin u the integrand is smooth; Simpson's rule over u.
-    const STEPS: usize = 200;
-    let step = PI / STEPS as f64;
-    let value = |i: usize| {
-        let cos = (i as f64 * step).sin();
-        radius * cos / (1.0 + radius / width * (1.0 - cos)).powi(3)
-    };
-    let weight = |i: usize| if i % 2 == 1 { 4.0 } else { 2.0 };
-    (1..STEPS).map(|i| weight(i) * value(i)).sum::<f64>() * step / 3.0
 }
 
 /// Strain of the outer fibre of a ligament of the profile's width, bent by `angle` over `effective_length` (> 0).

@@ -5,7 +5,7 @@ use super::error::FabricationError;
 use super::{closed_sheet, open_sheet};
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, State};
-use crate::profile::Profile;
+use crate::profile::{Profile, Shape};
 
 /// The design, moved in x and y so that its cuts, with half a kerf, keep the stock's margin from the left and the
 /// lower edge. The other state stays where it is. Moving a moved design changes nothing beyond rounding.
@@ -56,7 +56,10 @@ fn check_lengths(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<
         return Err(FabricationError::LengthCount { found: lengths.len(), expected: design.hinges.len() });
     }
     let limit = profile.cut.kerf;
-    let bad = lengths.iter().position(|&length| !(length.is_finite() && length > limit));
+    // A round notch is as long as the groove is wide; a bar is longer.
+    let notch = matches!(profile.ligament.shape, Shape::Notch { .. });
+    let fits = |length: f64| length.is_finite() && (length > limit || (notch && length == limit));
+    let bad = lengths.iter().position(|&length| !fits(length));
     match bad {
         Some(hinge) => Err(FabricationError::BadLength { hinge, value: lengths[hinge], limit }),
         None => Ok(()),

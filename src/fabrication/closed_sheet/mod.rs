@@ -14,6 +14,9 @@ pub mod order;
 
 pub mod ligament;
 
+#[cfg(test)]
+mod bistable_tests;
+
 use std::collections::BTreeMap;
 
 use self::cuts::{CutSet, cut_set};
@@ -62,6 +65,6 @@ pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<La
     let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);
     let outlines = piece_outlines(design, &cuts.paths, &ligaments, kerf)?;
     check_hinge_collisions(design, &outlines, &ligaments)?;
-    check_corner_collisions(design, &topology.fans, &outlines)?;
+    check_corner_collisions(design, &topology, &outlines)?;
     Ok(LaidOut { paths: cuts.paths, ligaments, outlines })
 }
