@@ -27,6 +27,8 @@ use clap::{Parser, Subcommand};
 
 use progress::Reporting;
 
+use crate::profile::{Ligament, Process, Shape};
+
 /// Flat sheets with cut patterns that morph into surfaces: design, hinges, laser files.
 #[derive(Debug, Parser)]
 #[command(version, about, long_about = None, after_help = EXIT_HELP)]
@@ -121,7 +123,7 @@ enum Command {
     Export(export::Arguments),
     /// Follow a sheet between its states: energy, barrier, strain, and whether it is bistable.
     Snap(snap::Arguments),
-    /// List the profiles: sheet, material, laser and ligament.
+    /// List the profiles: sheet, material, groove and ligament.
     Profiles,
 }
 
@@ -227,20 +229,34 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn list_profiles() -> Result<(), Failure> {
     for name in crate::profile::names() {
         let profile = crate::profile::load(&name, std::path::Path::new(".")).map_err(Failure::bad_input)?;
-        let (sheet, ligament) = (&profile.sheet, &profile.ligament);
+        let sheet = &profile.sheet;
         print(&format!(
-            "{name}: {}; sheet {} x {} x {} mm, kerf {} mm, ligament {} mm wide, {} to {} mm long\n",
+            "{name}: {}; sheet {} x {} x {} mm, {} {} mm, {}\n",
             profile.material.name,
             sheet.width,
             sheet.height,
             sheet.thickness,
-            profile.laser.kerf,
-            ligament.width,
-            ligament.min_length,
-            ligament.max_length
+            if profile.process == Process::Laser { "laser, kerf" } else { "milling, groove" },
+            profile.cut.kerf,
+            ligament_words(&profile.ligament)
         ));
     }
     Ok(())
+}
+
+fn ligament_words(ligament: &Ligament) -> String {
+    let width = ligament.width;
+    match ligament.shape {
+        Shape::Beam(beam) => {
+            format!("beam {width} mm wide, {} to {} mm long", beam.min_length, beam.max_length)
+        }
+        Shape::Rounded(beam) => {
+            format!("rounded beam {width} mm wide, {} to {} mm long", beam.min_length, beam.max_length)
+        }
+        Shape::Notch { extra_length } => {
+            format!("notch {width} mm wide, drawn out by {extra_length} mm")
+        }
+    }
 }
 
 /// Prints to standard output; a reader that has gone away is no error.

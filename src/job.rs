@@ -196,7 +196,7 @@ pub const DEFAULTS: [(&str, &str); 14] = [
     ("pattern.opening", "\"full\""),
     ("fabrication.sheet_mm", "the profile's sheet"),
     ("fabrication.kerf_mm", "the profile's kerf"),
-    ("fabrication.process", "\"laser\""),
+    ("fabrication.process", "the profile's process"),
     ("fabrication.dxf", "\"r2000\""),
     ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
     (

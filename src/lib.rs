@@ -36,6 +36,8 @@ pub mod import;
 
 pub mod fabrication;
 
+pub mod solid;
+
 pub mod snap;
 
 pub mod output;

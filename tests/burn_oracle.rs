@@ -6,8 +6,14 @@ mod peers;
 use std::fs::{self, File};
 use std::path::Path;
 
+use kirimorph::fabrication::fabricate::{fabricate, ligament_lengths};
 use kirimorph::fabrication::layout::{CutKind, CutLayout, CutPath, PathVertex};
+use kirimorph::kirigami::bistable::cell::BistableCell;
+use kirimorph::kirigami::bistable::pattern::regular;
+use kirimorph::kirigami::design::State;
 use kirimorph::output::dxf::{self, DxfVersion};
+use kirimorph::output::hinge_report;
+use kirimorph::profile;
 use kurbo::{Point, Vec2};
 use serde_json::{Value, json};
 
@@ -299,5 +305,51 @@ fn a_file_in_inches_or_with_a_zero_length_line_is_caught() {
         assert_eq!(output.status.code(), Some(1));
         let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert!(summary["failures"][check].as_u64() > Some(0), "{version:?}: {summary}");
+    }
+}
+
+#[test]
+fn bistable_sheets_are_one_body_with_ligaments_as_designed() {
+    for (name, size, rectangle, counts) in [
+        ("steel-304-0.5mm", [12.0, 11.0], [4.4, 3.6], [4, 3]),
+        ("nylon-6-5mm", [24.0, 24.0], [7.5, 7.0], [3, 4]),
+    ] {
+        let profile = profile::load(name, Path::new("")).unwrap();
+        let gap = profile.hinge_gap();
+        let cell = BistableCell { cell: size, rectangle, phi: 18_f64.to_radians(), gap };
+        let (mesh, pattern) = regular(&cell, counts);
+        let design = pattern.design(&mesh, gap, Some(State::Closed));
+        let made = fabricate(&design, &profile, &ligament_lengths(&design, &profile).unwrap()).unwrap();
+        let folder = peers::fresh_folder(&format!("burn-bistable-{name}"));
+        let files = ["cut.dxf", "hinges.json", "design.json"].map(|name| folder.join(name));
+        dxf::write(&made.layout, DxfVersion::R2000, &[], File::create(&files[0]).unwrap()).unwrap();
+        hinge_report::write_json(&made.hinges, &profile, File::create(&files[1]).unwrap()).unwrap();
+        let pieces: Vec<Value> = made
+            .design
+            .pieces
+            .iter()
+            .map(
+                |piece| json!({ "closed": piece.closed.iter().map(|p| [p.x, p.y, p.z]).collect::<Vec<_>>() }),
+            )
+            .collect();
+        let points: Vec<Value> = made
+            .design
+            .hinges
+            .iter()
+            .map(|hinge| json!({ "point": [hinge.point.x, hinge.point.y, hinge.point.z] }))
+            .collect();
+        let text = json!({ "version": 1, "sheet_state": "closed", "pieces": pieces, "hinges": points });
+        fs::write(&files[2], text.to_string()).unwrap();
+        let Some(mut oracle) = peers::oracle("burn.py") else { return };
+        let kerf = profile.cut.kerf.to_string();
+        let output = oracle.args(&files).args(["--kerf", &kerf, "--sheet", "1000", "1000"]).output().unwrap();
+        let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(output.status.success(), "{name}: {summary}");
+        assert_eq!((&summary["bodies"], &summary["hinges"]), (&json!(1), &json!(made.hinges.len())));
+        assert_eq!(summary["pieces"], made.design.pieces.len());
+        for figure in ["worst_width_error_mm", "worst_centre_offset_mm", "worst_neck_loss_mm"] {
+            // A round end is a polygon within a tenth of a micrometre to the burner.
+            assert!(summary[figure].as_f64().unwrap() < 1e-3, "{figure}: {summary}");
+        }
     }
 }

@@ -225,7 +225,7 @@ fn burned_sheets_are_one_body_with_true_ligaments_and_close_without_overlap() {
     for (name, profile, lattice) in sheets() {
         let made = made(&profile, &lattice.design());
         assert!(made.hinges.iter().all(|row| row.verdict == Verdict::Ok), "{name}");
-        let kerf = profile.laser.kerf.to_string();
+        let kerf = profile.cut.kerf.to_string();
         for version in [DxfVersion::R2000, DxfVersion::R12] {
             let folder = peers::fresh_folder(&format!("open-{name}-{version:?}"));
             let files = write(&folder, &made, &profile, version);
@@ -244,7 +244,7 @@ fn burned_sheets_are_one_body_with_true_ligaments_and_close_without_overlap() {
             assert!(closed["worst_motion_miss_mm"].as_f64().unwrap() < 1e-9, "{name}: {closed}");
             // The sides lie a kerf apart where the gap's wedge begins. Where a flat meets a side without a foot, as on
             // rubber, the root's rounding stands out of the side by 0.08 radii.
-            assert!(closed["least_gap_mm"].as_f64().unwrap() > 0.8 * profile.laser.kerf, "{name}: {closed}");
+            assert!(closed["least_gap_mm"].as_f64().unwrap() > 0.8 * profile.cut.kerf, "{name}: {closed}");
         }
     }
 }

@@ -518,7 +518,7 @@ fn the_hinge_report_holds_the_rows_in_full_precision() {
     let file: Value = serde_json::from_str(&hinges_text(&rows)).unwrap();
     assert_eq!(
         (&file["profile"], &file["kerf_mm"]),
-        (&json!("steel-304-0.5mm"), &json!(DOME.profile.laser.kerf))
+        (&json!("steel-304-0.5mm"), &json!(DOME.profile.cut.kerf))
     );
     assert_eq!(file["hinges"].as_array().unwrap().len(), 60);
     for (row, ours) in file["hinges"].as_array().unwrap().iter().zip(&rows) {
@@ -533,6 +533,8 @@ fn the_hinge_report_holds_the_rows_in_full_precision() {
             ("effective_length_mm", ours.effective_length),
             ("centre_offset_mm", ours.centre_offset),
             ("strain", ours.strain),
+            ("stiffness_n_mm_per_rad", ours.stiffness),
+            ("width_margin_mm", ours.width_margin),
         ] {
             assert_eq!(row[key].as_f64(), Some(value), "{key}");
         }

@@ -172,15 +172,15 @@ const OPEN_SEEDS: [Seed; 9] = [
         again(layout, CutKind::Window, backwards);
     }),
     ("window on the wrong side of its offset, outside", &[Check::Piece], |layout, sample| {
-        offset_window(layout, sample.profile.laser.kerf);
+        offset_window(layout, sample.profile.cut.kerf);
     }),
     ("window on the wrong side of its offset, inside", &[Check::Piece], |layout, sample| {
-        offset_window(layout, -sample.profile.laser.kerf);
+        offset_window(layout, -sample.profile.cut.kerf);
     }),
     ("ligament cut through between two windows", &[Check::Ligament], |layout, sample| {
         let hinge = &sample.sheet.design.hinges[100];
         let at = Point::new(hinge.point.x, hinge.point.y);
-        let reach = 1.2 * (sample.profile.ligament.width + sample.profile.laser.kerf);
+        let reach = 1.2 * (sample.profile.ligament.width + sample.profile.cut.kerf);
         let ends = [at - Vec2::new(reach, 0.0), at + Vec2::new(reach, 0.0)];
         layout.paths.insert(0, CutPath { kind: CutKind::Slit, vertices: straight(&ends), closed: false });
     }),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
-use super::results::Results;
+use super::results::{Results, file_names};
 use super::{Failure, events, interrupt, print, solids};
 use crate::fabrication::product::Product;
 use crate::kirigami::quality::{Quality, measure_alone};

@@ -8,6 +8,7 @@ use std::path::Path;
 use super::Failure;
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::Verdict;
+use crate::fabrication::notes::applied_words;
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
@@ -154,7 +155,7 @@ impl Results<'_> {
         let profile = self.profile;
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
-            format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
+            format!("millimetres; {}", applied_words(profile)),
             verify::hash_comment(&fingerprint(&out.read("design.json")?)),
         ];
         out.write::<WriteError>("cut.dxf", |file| {

@@ -14,7 +14,7 @@ const WORTH_TELLING: f64 = 1e-3;
 /// What cannot be made of thick material.
 pub fn solids(product: &Product, profile: &Profile) -> Result<Option<ThickSheet>, Failure> {
     let Product::Sheet(sheet) = product else { return Ok(None) };
-    // Every process so far cuts straight down.
+    // The cut files of every process so far are cut straight down.
     let thick = thicken(sheet, profile.sheet.thickness, Walls::Vertical)
         .map_err(|error| Failure::NotMakeable(error.to_string()))?;
     Ok(Some(thick))

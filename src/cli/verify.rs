@@ -37,7 +37,7 @@ pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failur
             design.pieces.len(),
             design.hinges.len(),
             profile.name,
-            profile.laser.kerf,
+            profile.cut.kerf,
             verify::table(figures, wanted)
         ));
     }
@@ -89,7 +89,7 @@ fn applied_profile(folder: &Path, name: Option<&str>) -> Result<Profile, Failure
             let says = "kerf_mm and sheet_mm must be above 0; make the files again";
             return Err(Failure::BadInput(format!("{}: {says}", file.display())));
         }
-        profile.laser.kerf = kerf_mm;
+        profile.cut.kerf = kerf_mm;
         (profile.sheet.width, profile.sheet.height) = (width, height);
     }
     Ok(profile)

@@ -10,7 +10,7 @@ use super::error::FabricationError;
 use super::ligament::MeasuredLigament;
 use super::outline::{Contour, area, contour_box};
 use super::states::{corner_place, motions, other_name};
-use super::topology::Fan;
+use super::topology::{Fan, Topology};
 use crate::geometry::rotation::RigidMotion;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge};
@@ -54,27 +54,29 @@ pub fn check_hinge_collisions(
     Ok(())
 }
 
-/// Checks the pairs of pieces that meet at a corner without sharing a hinge, placed by their rigid motions and
-/// looked at along their mean normal.
+/// Checks the pairs of pieces that meet at a corner or along an edge without sharing a hinge, placed by their rigid
+/// motions and looked at along their mean normal.
 ///
-/// `fans`: one per corner of the design; `outlines`: #pieces, sheet millimetres.
+/// `outlines`: #pieces, sheet millimetres.
 ///
 /// # Errors
 /// The first pair that overlaps.
 pub fn check_corner_collisions(
     design: &Design,
-    fans: &[Fan],
+    topology: &Topology,
     outlines: &[Contour],
 ) -> Result<(), FabricationError> {
     let motions = motions(design);
-    for (corner, fan) in fans.iter().enumerate() {
-        for pair in apart(fan) {
-            let area = turned_overlap(pair.map(|piece| (&outlines[piece], &motions[piece])));
-            if area > OVERLAP_TOLERANCE {
-                let Point { x, y } = corner_place(design, corner);
-                let state = other_name(design);
-                return Err(FabricationError::CornerCollision { pieces: pair, corner, x, y, area, state });
-            }
+    let around =
+        topology.fans.iter().enumerate().flat_map(|(corner, fan)| apart(fan).map(move |pair| (corner, pair)));
+    let beside = topology.edges.iter().filter(|edge| edge.hinge.is_none());
+    let beside = beside.filter_map(|edge| Some((edge.ends[0], [edge.left, edge.right?])));
+    for (corner, pieces) in around.chain(beside) {
+        let area = turned_overlap(pieces.map(|piece| (&outlines[piece], &motions[piece])));
+        if area > OVERLAP_TOLERANCE {
+            let Point { x, y } = corner_place(design, corner);
+            let state = other_name(design);
+            return Err(FabricationError::CornerCollision { pieces, corner, x, y, area, state });
         }
     }
     Ok(())

@@ -214,7 +214,7 @@ pub enum FabricationError {
     /// Two cuts come too close.
     #[error(
         "only {web:.3} mm of material would stand between a {first} and a {second} cut at ({x:.2}, {y:.2}) mm, \
-         but the laser needs {limit:.3} mm: take larger pieces or shorter ligaments"
+         but the cut needs {limit:.3} mm: take larger pieces or shorter ligaments"
     )]
     Web {
         /// What one cut is.

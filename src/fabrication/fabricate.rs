@@ -33,7 +33,7 @@ pub struct Fabrication {
 /// # Errors
 /// A hinge whose neighbouring strips collide beside the longest ligament.
 pub fn ligament_lengths(design: &Design, profile: &Profile) -> Result<Vec<f64>, FabricationError> {
-    let longest = profile.ligament.max_length;
+    let longest = profile.ligament_lengths()[1];
     let length = |(id, hinge): (usize, &Hinge)| {
         let at = hinge.point;
         match required_length(profile, hinge.angle) {
@@ -82,7 +82,7 @@ pub fn fabricate(
 }
 
 fn layout(paths: Vec<CutPath>, profile: &Profile) -> CutLayout {
-    let kerf = profile.laser.kerf;
+    let kerf = profile.cut.kerf;
     let part = bounding_box(&paths).inset(0.5 * kerf);
     CutLayout { sheet: [profile.sheet.width, profile.sheet.height], kerf, paths, notes: notes(profile, part) }
 }

@@ -3,7 +3,7 @@
 use kurbo::Point;
 
 use super::ligament::MeasuredLigament;
-use super::mechanics::{Fatigue, StrainClass, assess, required_length};
+use super::mechanics::{Fatigue, StrainClass, assess, elastic_length, required_length, stiffness};
 use crate::geometry::plane::doubled_area;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge};
@@ -49,6 +49,12 @@ pub struct HingeRow {
     pub strain_class: StrainClass,
     /// The length that the strain is computed with.
     pub effective_length: f64,
+    /// Turning stiffness while elastic, N mm per radian.
+    pub stiffness: f64,
+    /// The same of a plastic that has taken up moisture; `None` where that makes no difference.
+    pub conditioned_stiffness: Option<f64>,
+    /// By how much the ligament is wider than the least web that the process leaves, millimetres.
+    pub width_margin: f64,
     /// Torque at the full angle, N mm; `None` above yield.
     pub torque: Option<f64>,
     /// Life under repeated turns.
@@ -86,7 +92,7 @@ pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Pro
 /// the profile's longest), as if their cuts were exact and nothing else were near. Where the design has no flat state
 /// the tilt is that against the mean normal of the two pieces.
 pub fn planned_rows(design: &Design, profile: &Profile) -> Vec<HingeRow> {
-    let longest = profile.ligament.max_length;
+    let longest = profile.ligament_lengths()[1];
     let plan = |(id, hinge): (usize, &Hinge)| {
         let ligament = MeasuredLigament {
             width: profile.ligament.width,
@@ -122,6 +128,9 @@ pub fn planned_rows(design: &Design, profile: &Profile) -> Vec<HingeRow> {
 
 fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Profile) -> HingeRow {
     let load = assess(profile, ligament.length, hinge.angle);
+    let material = &profile.material;
+    let elastic = stiffness(profile, elastic_length(profile, ligament.length));
+    let softer = material.conditioned_modulus.map(|modulus| modulus / material.youngs_modulus);
     let mut row = HingeRow {
         id,
         pieces: hinge.pieces,
@@ -136,6 +145,9 @@ fn hinge_row(id: usize, hinge: &Hinge, ligament: &MeasuredLigament, profile: &Pr
         strain: load.strain,
         strain_class: load.class,
         effective_length: load.effective_length,
+        stiffness: elastic,
+        conditioned_stiffness: softer.map(|softer| softer * elastic),
+        width_margin: ligament.width - profile.cut.min_web,
         torque: load.torque,
         fatigue: load.fatigue,
         verdict: Verdict::Ok,
@@ -164,10 +176,10 @@ fn findings(row: &HingeRow, profile: &Profile) -> Vec<(Verdict, String)> {
         let text = format!("ligament is {:.3} mm wide instead of {width:.3} mm", row.width);
         findings.push((Verdict::Fail, text));
     }
-    if row.nearest_cut < profile.laser.min_web {
+    if row.nearest_cut < profile.cut.min_web {
         let text = format!(
-            "only {:.3} mm to the next cut, the laser needs {:.3} mm",
-            row.nearest_cut, profile.laser.min_web
+            "only {:.3} mm to the next cut, the cut needs {:.3} mm",
+            row.nearest_cut, profile.cut.min_web
         );
         findings.push((Verdict::Fail, text));
     }
@@ -216,6 +228,25 @@ mod tests {
         assert_eq!((row.verdict, row.reason.as_str(), row.id, row.pieces), (Verdict::Ok, "", 5, [3, 7]));
         // The axis points down: its tilt is that of the line. Rounding of one arc tangent.
         assert!((row.tilt - 0.05).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_notch_in_nylon_has_two_stiffnesses_and_no_room_for_a_thinner_web() {
+        let nylon = crate::profile::load("nylon-6-5mm", std::path::Path::new("")).unwrap();
+        let hinge = Hinge {
+            pieces: [0, 1],
+            vertices: [0, 0],
+            point: Point3::origin(),
+            axis: Vector3::z(),
+            angle: 36_f64.to_radians(),
+        };
+        let row = hinge_row(0, &hinge, &MeasuredLigament { length: 1.0, ..GOOD }, &nylon);
+        // 3300 x 5 x 0.125 / (12 x 0.653), and 1500 instead of 3300: to three digits of the length.
+        assert!((row.stiffness - 263.2).abs() < 0.3, "{row:?}");
+        assert!((row.conditioned_stiffness.unwrap() / row.stiffness - 1500.0 / 3300.0).abs() < 1e-12);
+        assert_eq!((row.width_margin, row.strain_class), (0.0, StrainClass::PlasticLowCycle));
+        assert!((row.strain - 0.2406).abs() < 5e-4 && (row.effective_length - 0.653).abs() < 5e-4);
+        assert_eq!(row.verdict, Verdict::Ok, "{}", row.reason);
     }
 
     #[test]

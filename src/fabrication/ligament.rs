@@ -17,6 +17,6 @@ pub struct MeasuredLigament {
     /// Material between the relief bar's groove and the nearest groove of another hinge or slit, millimetres. Not
     /// counted: the cuts that bound the ligament, and those across the slit that passes.
     pub nearest_cut: f64,
-    /// The centre line of the relief bar, or of one straight end.
+    /// The centre line of the relief bar, or of one straight end; the same point twice for a slit's round end.
     pub bar: [Point; 2],
 }

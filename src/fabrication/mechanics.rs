@@ -1,7 +1,8 @@
 //! Mechanics of a hinge: a ligament that bends as a beam while two pieces turn against each other.
 //!
 //! In: a [`Profile`], the ligament's free length and the hinge's turning angle. Out: strain, stiffness, the length
-//! that an angle needs, and a fatigue class. The beam has constant curvature: a fibre at its face strains by
+//! that an angle needs, and a fatigue class. Effective lengths L are those of E b h^3 / (12 K), K the turning stiffness.
+//! A notch has one, by the beam integral ([`super::notch`]). A beam between relief bars has two: it has constant curvature: a fibre at its face strains by
 //! h theta / (2 L), with h the ligament's width and L its effective length. While elastic, the roots bend too and L is
 //! the free length plus `root_compliance` widths (finite elements); once the outer fibre yields, strain gathers in the
 //! free part and L is the free length. Above some 10 % the strain is an index to compare hinges by, not a
@@ -14,7 +15,8 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::profile::{Material, Profile};
+use super::notch::{Sides, effective_length};
+use crate::profile::{Beam, Material, Profile, Shape};
 
 /// Free lengths are rounded up to this many steps per millimetre: finer than any laser places a cut.
 const STEPS_PER_MM: f64 = 100.0;
@@ -81,7 +83,7 @@ impl fmt::Display for Fatigue {
 /// A ligament at the full angle of its hinge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeLoad {
-    /// The length that the strain is computed with, millimetres: elastic or free, as the class says.
+    /// The length that the strain is computed with, millimetres: a beam's is elastic or free, as the class says.
     pub effective_length: f64,
     /// Nominal strain of the outer fibre.
     pub strain: f64,
@@ -99,7 +101,7 @@ pub enum LengthError {
     /// The ligament would be longer than the profile allows.
     #[error(
         "a hinge that turns {:.1} degrees needs a ligament {needed:.2} mm long ({reason}), the profile allows \
-         ligament.max_length_mm = {allowed}; use a target of less curvature, a narrower ligament or a longer limit",
+         {allowed} mm; use a target of less curvature, a narrower ligament or a longer limit",
         angle.to_degrees()
     )]
     TooLong {
@@ -122,7 +124,23 @@ pub enum LengthError {
 
 /// Effective length of a ligament while it is elastic, millimetres.
 pub fn elastic_length(profile: &Profile, free_length: f64) -> f64 {
-    free_length + profile.ligament.root_compliance * profile.ligament.width
+    match profile.ligament.shape {
+        Shape::Beam(Beam { root_compliance, .. }) | Shape::Rounded(Beam { root_compliance, .. }) => {
+            free_length + root_compliance * profile.ligament.width
+        }
+        Shape::Notch { .. } => plastic_length(profile, free_length),
+    }
+}
+
+/// Effective length once the outer fibre has yielded, millimetres: a beam's free length, a notch's as if elastic.
+fn plastic_length(profile: &Profile, free_length: f64) -> f64 {
+    let kerf = profile.cut.kerf;
+    match profile.ligament.shape {
+        Shape::Beam(_) | Shape::Rounded(_) => free_length,
+        Shape::Notch { .. } => {
+            free_length - kerf + effective_length(0.5 * kerf, profile.ligament.width, Sides::One)
+        }
+    }
 }
 
 /// Strain of the outer fibre of a ligament of the profile's width, bent by `angle` over `effective_length` (> 0).
@@ -143,7 +161,9 @@ pub fn yield_angle(profile: &Profile, free_length: f64) -> f64 {
 
 /// Free length at which the nominal strain at `angle`, once plastic, is the profile's strain limit, millimetres.
 pub fn strain_length(profile: &Profile, angle: f64) -> f64 {
-    profile.ligament.width * angle / (2.0 * profile.material.strain_limit)
+    let effective = profile.ligament.width * angle / (2.0 * profile.material.strain_limit);
+    // The free part adds to the effective length one to one, whatever the shape.
+    effective - plastic_length(profile, 0.0)
 }
 
 /// Free length at which the strips outside of the hinge polygons just touch when the hinge has turned by `angle`,
@@ -161,15 +181,19 @@ pub fn required_length(profile: &Profile, angle: f64) -> Result<f64, LengthError
     if !(0.0..PI).contains(&angle) {
         return Err(LengthError::Angle { angle });
     }
+    let [shortest, allowed] = profile.ligament_lengths();
     let rules = [
         (strain_length(profile, angle), "to stay within the strain limit"),
         (clearance_length(profile, angle), "to keep the strips beside it from colliding"),
-        (profile.ligament.min_length, "the profile's least length"),
+        (shortest, "the profile's least length"),
     ];
     let [first, others @ ..] = rules;
     let (least, reason) = others.into_iter().fold(first, |a, b| if b.0 > a.0 { b } else { a });
-    let needed = (least * STEPS_PER_MM - STEP_ROUNDING).ceil() / STEPS_PER_MM;
-    let allowed = profile.ligament.max_length;
+    let needed = if least > shortest {
+        (least * STEPS_PER_MM - STEP_ROUNDING).ceil() / STEPS_PER_MM
+    } else {
+        shortest
+    };
     if needed > allowed {
         return Err(LengthError::TooLong { angle, needed, allowed, reason });
     }
@@ -191,10 +215,11 @@ pub fn assess(profile: &Profile, free_length: f64, angle: f64) -> HingeLoad {
             fatigue: fatigue(material, elastic_strain),
         };
     }
-    let strain = nominal_strain(profile, free_length, angle);
+    let effective_length = plastic_length(profile, free_length);
+    let strain = nominal_strain(profile, effective_length, angle);
     let tears = strain > material.elongation;
     HingeLoad {
-        effective_length: free_length,
+        effective_length,
         strain,
         class: if tears { StrainClass::BeyondElongation } else { StrainClass::PlasticLowCycle },
         torque: None,
@@ -235,6 +260,11 @@ mod tests {
         crate::profile::load("nitrile-rubber-2mm", Path::new("")).unwrap()
     }
 
+    fn set_longest(profile: &mut Profile, length: f64) {
+        let Shape::Beam(beam) = &mut profile.ligament.shape else { panic!("{profile:?}") };
+        beam.max_length = length;
+    }
+
     fn close(value: f64, expected: f64, relative: f64) {
         assert!((value / expected - 1.0).abs() < relative, "{value} is not {expected}");
     }
@@ -258,6 +288,17 @@ mod tests {
     }
 
     #[test]
+    fn notches_have_the_published_lengths() {
+        let mut nylon = crate::profile::load("nylon-6-5mm", Path::new("")).unwrap();
+        // Published to three digits for radius and width 0.5, and 2.5 times softer at 1 mm more.
+        close(elastic_length(&nylon, 1.0), 0.653, 1e-3);
+        nylon.ligament.shape = Shape::Notch { extra_length: 1.0 };
+        let longer = required_length(&nylon, 0.6).unwrap();
+        assert_eq!(longer, 2.0);
+        close(elastic_length(&nylon, longer) / elastic_length(&nylon, 1.0), 2.5, 0.02);
+    }
+
+    #[test]
     fn required_lengths_are_the_largest_of_three_rules_rounded_up() {
         let steel = steel();
         for (degrees, expected) in [(0.0_f64, 0.5), (36.0, 0.5), (45.0, 0.5), (90.0, 0.99), (102.0, 1.12)] {
@@ -273,7 +314,7 @@ mod tests {
             let holds = |length: f64| {
                 nominal_strain(&steel, length, angle) <= steel.material.strain_limit * (1.0 + 1e-9)
                     && length >= clearance_length(&steel, angle) - 1e-9
-                    && length >= steel.ligament.min_length
+                    && length >= steel.ligament_lengths()[0]
             };
             assert!(holds(length) && !holds(length - 0.0101), "{angle}: {length}");
             angle += 0.0137;
@@ -287,10 +328,10 @@ mod tests {
         assert!(required_length(&steel, 150.0_f64.to_radians()).is_ok());
         let error = required_length(&steel, 160.0_f64.to_radians()).unwrap_err().to_string();
         assert!(error.contains("160.0 degrees needs a ligament 2.84 mm long (to keep the strips"), "{error}");
-        steel.ligament.max_length = 0.98;
+        set_longest(&mut steel, 0.98);
         let error = required_length(&steel, PI / 2.0).unwrap_err().to_string();
         assert!(error.contains("0.99 mm long (to stay within the strain limit)"), "{error}");
-        steel.ligament.max_length = 0.99;
+        set_longest(&mut steel, 0.99);
         assert!(required_length(&steel, PI / 2.0).is_ok());
         for angle in [-1e-9, PI, 4.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(required_length(&steel, angle), Err(LengthError::Angle { .. })), "{angle}");

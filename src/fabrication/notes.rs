@@ -3,7 +3,7 @@
 use kurbo::{Point, Rect};
 
 use super::layout::Note;
-use crate::profile::Profile;
+use crate::profile::{Process, Profile};
 
 /// Letter height of plain notes, millimetres.
 const LETTER: f64 = 3.0;
@@ -14,6 +14,15 @@ const SPACE: f64 = 2.0;
 /// Width of an average letter in units of its height, on the safe side for common stroke fonts.
 const LETTER_WIDTH: f64 = 0.9;
 
+/// That the groove's width is already in the paths.
+pub fn applied_words(profile: &Profile) -> String {
+    let kerf = profile.cut.kerf;
+    match profile.process {
+        Process::Laser => format!("kerf {kerf} mm already applied: cut on the line"),
+        Process::Milling => format!("tool diameter {kerf} mm already applied: mill on the line"),
+    }
+}
+
 /// The notes of a part whose burned box is `part`: above it or else to its right, within the sheet. Lines that
 /// have no room outside the part are left out.
 pub fn notes(profile: &Profile, part: Rect) -> Vec<Note> {
@@ -21,7 +30,7 @@ pub fn notes(profile: &Profile, part: Rect) -> Vec<Note> {
     let lines = [
         (LETTER, format!("{}: {}, {} mm thick", profile.name, profile.material.name, sheet.thickness)),
         (LETTER, format!("sheet {} x {} mm, millimetres", sheet.width, sheet.height)),
-        (LETTER, format!("kerf {} mm already applied: cut on the line", profile.laser.kerf)),
+        (LETTER, applied_words(profile)),
         (SCALE_MARK, "I = 10 mm".to_string()),
     ];
     let width_of = |(height, text): &(f64, String)| height * LETTER_WIDTH * text.chars().count() as f64;

@@ -14,6 +14,7 @@ use super::error::FabricationError;
 use super::layout::{CutKind, CutPath};
 use super::ligament::MeasuredLigament;
 use super::states::sheet_vertices;
+use super::web::nearest_on_segment;
 use crate::kirigami::design::Design;
 
 /// A closed contour: x, y in millimetres, counter-clockwise if it bounds from outside.
@@ -51,7 +52,7 @@ pub fn piece_outlines(
     burned.extend(ligaments.iter().map(|ligament| vec![ligament_region(ligament)]));
     let regions = subtract(&sheet(paths), &burned);
     let regions = regions.into_iter().filter(|region| area(&region[0]) > scrap).collect();
-    match_pieces(design, regions, scrap)
+    match_pieces(design, regions, kerf)
 }
 
 /// What the cuts leave of the sheet: one shape per body, its outer contour counter-clockwise, then its holes clockwise.
@@ -96,9 +97,10 @@ fn subtract(subject: &Shape, clip: &Vec<Shape>) -> Vec<Shape> {
 /// The ligament's free rectangle, widened to the middle of the grooves on either side.
 fn ligament_region(ligament: &MeasuredLigament) -> Contour {
     let [from, to] = ligament.bar;
-    let along = (to - from).normalize();
-    let across = along.turn_90();
     let middle = from.midpoint(to);
+    // A round notch has no bar; its ligament lies across the line to the groove that passes.
+    let along = if from == to { (ligament.centre - middle).turn_90() } else { to - from }.normalize();
+    let across = along.turn_90();
     let half = 0.5 * ligament.length * along;
     let depth = 2.0 * (ligament.centre - middle).dot(across) * across;
     let corners = [middle - half, middle + half, middle + half + depth, middle - half + depth];
@@ -109,13 +111,14 @@ fn ligament_region(ligament: &MeasuredLigament) -> Contour {
     contour
 }
 
-fn match_pieces(design: &Design, regions: Vec<Shape>, scrap: f64) -> Result<Vec<Contour>, FabricationError> {
+fn match_pieces(design: &Design, regions: Vec<Shape>, kerf: f64) -> Result<Vec<Contour>, FabricationError> {
+    let scrap = kerf * kerf;
     let boxes: Vec<Rect> = regions.iter().map(|region| contour_box(&region[0])).collect();
     let mut owner: Vec<Option<usize>> = vec![None; regions.len()];
     let mut outlines = Vec::with_capacity(design.pieces.len());
     for (piece, vertices) in design.pieces.iter().enumerate() {
         let polygon: Contour = sheet_vertices(design, vertices).iter().map(|p| [p.x, p.y]).collect();
-        let [x, y] = centroid(&polygon);
+        let [x, y] = inner_point(&polygon, kerf);
         let error = |reason: String| Err(FabricationError::PieceRegion { piece, x, y, reason });
         let holds = |&i: &usize| boxes[i].contains(Point::new(x, y)) && contains(&regions[i][0], [x, y]);
         let Some(region) = (0..regions.len()).find(holds) else {
@@ -166,6 +169,34 @@ fn centroid(contour: &[[f64; 2]]) -> [f64; 2] {
         sum = [sum[0] + cross * (a[0] + b[0]), sum[1] + cross * (a[1] + b[1])];
     }
     [x + sum[0] / (6.0 * total), y + sum[1] / (6.0 * total)]
+}
+
+/// A point inside a polygon: the centroid where it lies more than `clear` inside, else, of the middles of some horizontal
+/// chords, the one farthest from the sides. Bistable sheets have pieces like stars and hooks.
+fn inner_point(polygon: &[[f64; 2]], clear: f64) -> [f64; 2] {
+    let depth = |[x, y]: [f64; 2]| {
+        let point = Point::new(x, y);
+        let sides = (0..polygon.len()).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]]);
+        let sides = sides.map(|side| side.map(|[x, y]| Point::new(x, y)));
+        sides.map(|side| nearest_on_segment(point, side).distance(point)).fold(f64::INFINITY, f64::min)
+    };
+    let middle = centroid(polygon);
+    if contains(polygon, middle) && depth(middle) > clear {
+        return middle;
+    }
+    let mut heights: Vec<f64> = polygon.iter().map(|point| point[1]).collect();
+    heights.sort_by(f64::total_cmp);
+    let chords = heights.windows(2).flat_map(|pair| {
+        let y = 0.5 * (pair[0] + pair[1]);
+        let crossing = |i: usize| {
+            let [[ax, ay], [bx, by]] = [polygon[i], polygon[(i + 1) % polygon.len()]];
+            ((ay > y) != (by > y)).then(|| ax + (y - ay) / (by - ay) * (bx - ax))
+        };
+        let mut xs: Vec<f64> = (0..polygon.len()).filter_map(crossing).collect();
+        xs.sort_by(f64::total_cmp);
+        xs.chunks_exact(2).map(|x| [0.5 * (x[0] + x[1]), y]).collect::<Vec<_>>()
+    });
+    chords.max_by(|&a, &b| depth(a).total_cmp(&depth(b))).unwrap_or(middle)
 }
 
 /// Whether a point lies inside a contour (even-odd rule).

@@ -5,7 +5,7 @@ use super::error::FabricationError;
 use super::{closed_sheet, open_sheet};
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, State};
-use crate::profile::Profile;
+use crate::profile::{Profile, Shape};
 
 /// The design, moved in x and y so that its cuts, with half a kerf, keep the stock's margin from the left and the
 /// lower edge. The other state stays where it is. Moving a moved design changes nothing beyond rounding.
@@ -25,7 +25,7 @@ pub fn place_on_sheet(
         State::Closed => closed_sheet::cuts_of(design, profile, lengths)?.0.paths,
         State::Open => open_sheet::cuts_of(design, profile, lengths)?.0.paths,
     };
-    let part = bounding_box(&paths).inset(0.5 * profile.laser.kerf);
+    let part = bounding_box(&paths).inset(0.5 * profile.cut.kerf);
     let sheet = &profile.sheet;
     let [room_x, room_y] = [sheet.width, sheet.height].map(|size| size - 2.0 * sheet.margin);
     // A nanometre of rounding may make a part that just fits seem too large.
@@ -33,7 +33,7 @@ pub fn place_on_sheet(
         // When the target is scaled, ligament and kerf around the pieces keep their size, and so does half a gap on
         // each piece's side.
         let ligaments = if state == State::Closed { profile.hinge_gap() } else { 0.0 };
-        let rim = ligaments + profile.laser.kerf;
+        let rim = ligaments + profile.cut.kerf;
         let gap_share = 0.5 * design.gap / design.mean_edge();
         let scale_in = |room: f64, size: f64| {
             let fixed = rim + gap_share * (size - rim);
@@ -55,8 +55,11 @@ fn check_lengths(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<
     if lengths.len() != design.hinges.len() {
         return Err(FabricationError::LengthCount { found: lengths.len(), expected: design.hinges.len() });
     }
-    let limit = profile.laser.kerf;
-    let bad = lengths.iter().position(|&length| !(length.is_finite() && length > limit));
+    let limit = profile.cut.kerf;
+    // A round notch is as long as the groove is wide; a bar is longer.
+    let notch = matches!(profile.ligament.shape, Shape::Notch { .. });
+    let fits = |length: f64| length.is_finite() && (length > limit || (notch && length == limit));
+    let bad = lengths.iter().position(|&length| !fits(length));
     match bad {
         Some(hinge) => Err(FabricationError::BadLength { hinge, value: lengths[hinge], limit }),
         None => Ok(()),

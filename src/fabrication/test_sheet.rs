@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge, PatternKind, Piece, State};
-use crate::profile::{Laser, Ligament, Material, Profile, Sheet};
+use crate::profile::{Beam, Cut, Ligament, Material, Process, Profile, Shape, Sheet};
 
 /// A lattice sheet.
 #[derive(Debug, Clone, Copy)]
@@ -173,18 +173,23 @@ fn open(pieces: &mut [Piece], hinges: &[Hinge], senses: &[f64], phi: f64) {
 pub fn profile() -> Profile {
     Profile {
         name: "test-steel".into(),
+        process: Process::Laser,
         sheet: Sheet { width: 600.0, height: 600.0, margin: 5.0, thickness: 0.5 },
         material: Material {
             name: "test steel".into(),
             youngs_modulus: 193e3,
+            conditioned_modulus: None,
             yield_strain: 0.00106,
             strain_limit: 0.4,
             elongation: 0.4,
             endurance_strain: Some(0.00124),
             coffin_manson: None,
         },
-        laser: Laser { kerf: 0.05, min_web: 0.35, cutting_speed: 10.0 },
-        ligament: Ligament { width: 0.5, min_length: 0.5, max_length: 2.0, root_compliance: 1.2 },
+        cut: Cut { kerf: 0.05, min_web: 0.35, speed: 10.0 },
+        ligament: Ligament {
+            width: 0.5,
+            shape: Shape::Beam(Beam { min_length: 0.5, max_length: 2.0, root_compliance: 1.2 }),
+        },
     }
 }
 

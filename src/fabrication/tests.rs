@@ -36,7 +36,7 @@ fn refused(design: &Design, profile: &Profile, length: f64) -> FabricationError 
 fn cuts(design: &Design, profile: &Profile, length: f64) -> (CutSet, Vec<MeasuredLigament>) {
     let (set, _) = cuts_of(design, profile, &vec![length; design.hinges.len()]).unwrap();
     let index = CutIndex::new(&set.paths);
-    let ligaments = measure_ligaments(&design.hinges, &set, &index, profile.laser.kerf);
+    let ligaments = measure_ligaments(&design.hinges, &set, &index, profile.cut.kerf);
     (set, ligaments)
 }
 
@@ -80,9 +80,9 @@ fn a_rectangle_has_the_cuts_and_the_size_of_the_closed_form() {
         assert_eq!((count(paths, CutKind::Border), count(paths, CutKind::Window)), (1, 0));
         assert_eq!((made.hinges.len(), made.outlines.len()), (edges, nx * ny));
         // The border's centre line runs on the lattice lines (see the generator).
-        let part = bounding_box(paths).inset(0.5 * profile.laser.kerf);
-        assert!((part.width() - (nx as f64 * size[0] + profile.laser.kerf)).abs() < ROUNDING);
-        assert!((part.height() - (ny as f64 * size[1] + profile.laser.kerf)).abs() < ROUNDING);
+        let part = bounding_box(paths).inset(0.5 * profile.cut.kerf);
+        assert!((part.width() - (nx as f64 * size[0] + profile.cut.kerf)).abs() < ROUNDING);
+        assert!((part.height() - (ny as f64 * size[1] + profile.cut.kerf)).abs() < ROUNDING);
         assert!((part.x0 - profile.sheet.margin).abs() < ROUNDING);
         assert!((part.y0 - profile.sheet.margin).abs() < ROUNDING);
     }
@@ -132,7 +132,7 @@ fn without_a_gap_the_offset_is_half_a_ligament_and_kerf_and_is_reported() {
 #[test]
 fn material_and_burned_grooves_fill_the_sheet() {
     let profile = profile();
-    let (kerf, width) = (profile.laser.kerf, profile.ligament.width);
+    let (kerf, width) = (profile.cut.kerf, profile.ligament.width);
     for (sheet, phi) in sheets() {
         let made = made(&sheet, phi);
         let closed = |path: &&CutPath| path.closed;
@@ -206,7 +206,7 @@ fn a_part_that_is_too_large_is_refused_with_a_scale_that_fits() {
     let design = scaled.design(scaled.full_angle());
     assert!(fabricate(&design, &small, &vec![1.1; design.hinges.len()]).is_ok());
     // The room is used to within the ligament's width.
-    assert!(4.0 * side + small.laser.kerf > room_x - gap);
+    assert!(4.0 * side + small.cut.kerf > room_x - gap);
 }
 
 #[test]
@@ -215,7 +215,7 @@ fn webs_below_the_limit_are_found_where_they_are() {
     let design = sheet.design(sheet.full_angle());
     // The ligament itself is the narrowest web.
     let mut strict = profile();
-    strict.laser.min_web = 0.51;
+    strict.cut.min_web = 0.51;
     let error = refused(&design, &strict, 1.1);
     let FabricationError::Web { web, limit, .. } = error else { panic!("{error}") };
     assert!((web - 0.5).abs() < ROUNDING && limit == 0.51);

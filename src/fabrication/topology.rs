@@ -7,7 +7,7 @@ use kurbo::Point;
 
 use super::error::FabricationError;
 use super::states::{corner_place, sheet_vertices};
-use crate::kirigami::design::{Design, State};
+use crate::kirigami::design::{Design, PatternKind, State};
 
 /// A side of a piece: interior if a second piece lies to its right, else border.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,11 +18,11 @@ pub struct Edge {
     pub left: usize,
     /// The piece to the right; `None` at the sheet's border.
     pub right: Option<usize>,
-    /// The hinge that the edge carries; `None` at the border.
+    /// The hinge that the edge carries; `None` at the border and along slits of bistable sheets that hold nothing.
     pub hinge: Option<EdgeHinge>,
 }
 
-/// The one hinge of an interior edge.
+/// The hinge of an interior edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EdgeHinge {
     /// Index into [`Design::hinges`].
@@ -72,8 +72,9 @@ type HalfEdges = BTreeMap<[usize; 2], (usize, usize)>;
 /// Builds the combinatorics.
 ///
 /// # Errors
-/// Indices out of range, numbers that are not finite, an edge used twice in one direction, an edge without or
-/// with several hinges, pieces that touch in one point only.
+/// Indices out of range, numbers that are not finite, an edge used twice in one direction, an edge with several hinges,
+/// or, where the pattern is that of rotating rectangles, without one, a piece without hinges, pieces that touch in one
+/// point only.
 pub fn topology(design: &Design) -> Result<Topology, FabricationError> {
     check_numbers(design)?;
     let half_edges = half_edges(design)?;
@@ -191,9 +192,10 @@ fn attach_hinges(
         found[edge] += 1;
         edges[edge].hinge = Some(EdgeHinge { id, corner });
     }
+    let least = usize::from(design.pattern == PatternKind::RotatingRectangles);
     for (edge, &found) in edges.iter().zip(&found) {
         if let Some(right) = edge.right
-            && found != 1
+            && !(least..=1).contains(&found)
         {
             return Err(FabricationError::EdgeHinges {
                 pieces: [edge.left, right],
@@ -202,7 +204,15 @@ fn attach_hinges(
             });
         }
     }
-    Ok(())
+    let mut held = vec![false; design.pieces.len()];
+    design.hinges.iter().flat_map(|hinge| hinge.pieces).for_each(|piece| held[piece] = true);
+    match held.iter().position(|held| !held) {
+        Some(piece) if held.len() > 1 => {
+            let reason = "no hinge holds it, so that it would fall out of the sheet".into();
+            Err(FabricationError::BadPiece { piece, reason })
+        }
+        _ => Ok(()),
+    }
 }
 
 fn fans(

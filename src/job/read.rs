@@ -13,7 +13,7 @@ use super::{
     Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern, PatternFile,
     PieceSize, Reading, Shape, Target, Units,
 };
-use crate::profile::{self, KERF, Profile, ProfileError, SHEET_SIDE};
+use crate::profile::{self, KERF, Process, Profile, ProfileError, SHEET_SIDE, TOOL_RADIUS};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
 const SIZE: Limits =
@@ -319,11 +319,9 @@ fn boundary(source: &TomlSource, value: Option<&Spanned<String>>) -> Result<Opti
 }
 
 fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Result<Fabrication, JobError> {
-    if let Some(process) = raw.process.as_ref().filter(|process| process.get_ref() != "laser") {
-        return Err(not_built(source, process, "\"laser\"").into());
-    }
     let dxf = choice(source, raw.dxf.as_ref(), &[("r2000", DxfVersion::R2000), ("r12", DxfVersion::R12)])?;
     let mut profile = load_profile(source, &raw.profile, folder)?;
+    check_process(source, raw, &profile)?;
     override_kerf(source, raw, &mut profile)?;
     override_sheet(source, raw, &mut profile)?;
     Ok(Fabrication { profile, dxf: dxf.unwrap_or_default() })
@@ -344,12 +342,31 @@ fn load_profile(source: &TomlSource, name: &Spanned<String>, folder: &Path) -> R
     })
 }
 
+/// A job may repeat what its profile says.
+fn check_process(source: &TomlSource, raw: &RawFabrication, profile: &Profile) -> Result<(), TomlError> {
+    let words = [("laser", Process::Laser), ("milling", Process::Milling)];
+    let (Some(process), Some(value)) = (choice(source, raw.process.as_ref(), &words)?, &raw.process) else {
+        return Ok(());
+    };
+    if process == profile.process {
+        return Ok(());
+    }
+    let what = format!("not the process of the profile {}", profile.name);
+    Err(source.value_error(value.span(), &what, "leave the key out, or take another profile"))
+}
+
 fn override_kerf(source: &TomlSource, raw: &RawFabrication, profile: &mut Profile) -> Result<(), TomlError> {
     let Some(value) = &raw.kerf_mm else { return Ok(()) };
-    profile.laser.kerf = source.number(value, &KERF)?;
-    if profile.laser.kerf > profile.laser.min_web {
+    if profile.process == Process::Milling {
+        let radius = TOOL_RADIUS.range;
+        let limits = Limits::new(2.0 * radius.start(), 2.0 * radius.end(), "mm", "the tool's diameter");
+        profile.cut.kerf = source.number(value, &limits)?;
+        return Ok(());
+    }
+    profile.cut.kerf = source.number(value, &KERF)?;
+    if profile.cut.kerf > profile.cut.min_web {
         let what =
-            format!("too large: allowed is at most the profile's min_web_mm = {}", profile.laser.min_web);
+            format!("too large: allowed is at most the profile's min_web_mm = {}", profile.cut.min_web);
         return Err(source.value_error(
             value.span(),
             &what,
@@ -371,11 +388,6 @@ fn override_sheet(source: &TomlSource, raw: &RawFabrication, profile: &mut Profi
     }
     [profile.sheet.width, profile.sheet.height] = [*width.get_ref(), *height.get_ref()];
     Ok(())
-}
-
-/// The error for a value that this version does not make.
-fn not_built(source: &TomlSource, value: &Spanned<String>, allowed: &str) -> TomlError {
-    source.value_error(value.span(), &format!("not supported: allowed is {allowed}"), THIS_VERSION)
 }
 
 /// The meaning of one of a few words.

@@ -86,7 +86,7 @@ fn a_job_that_says_everything() {
     assert_eq!(job.solver.stage2, stage2::Weights { fair: 0.01, prox: 0.0, ..solver.stage2 });
     assert_eq!(job.solver.stage3, stage3::Weights { widths: 0.5, sides: 2e-4, ..solver.stage3 });
     let profile = &job.fabrication.profile;
-    assert_eq!([profile.sheet.width, profile.sheet.height, profile.laser.kerf], [600.0, 800.5, 0.06]);
+    assert_eq!([profile.sheet.width, profile.sheet.height, profile.cut.kerf], [600.0, 800.5, 0.06]);
 }
 
 #[test]
@@ -274,7 +274,6 @@ fn pieces_come_from_a_grid_or_from_a_mesh_file() {
 fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
     let lines = [
-        ("process", "process = \"milling\"", "fabrication.process"),
         ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),
         ("dxf", "copies = 2", "fabrication.copies"),
     ];

@@ -49,7 +49,7 @@ pub fn write_json<W: Write>(rows: &[HingeRow], profile: &Profile, out: W) -> Res
     let name = serde_json::to_string(&profile.name).map_err(io::Error::from)?;
     let mut out = BufWriter::new(out);
     writeln!(out, "{{\n  \"version\": {VERSION},\n  \"profile\": {name},")?;
-    writeln!(out, "  \"kerf_mm\": {:?},", profile.laser.kerf)?;
+    writeln!(out, "  \"kerf_mm\": {:?},", profile.cut.kerf)?;
     writeln!(out, "  \"ligament_width_mm\": {:?},", profile.ligament.width)?;
     writeln!(out, "  \"sheet_thickness_mm\": {:?},", profile.sheet.thickness)?;
     writeln!(out, "  \"sheet_mm\": [{:?}, {:?}],", profile.sheet.width, profile.sheet.height)?;
@@ -75,6 +75,9 @@ fn check(rows: &[HingeRow]) -> Result<(), WriteHingesError> {
             ("effective_length_mm", row.effective_length),
             ("centre_offset_mm", row.centre_offset),
             ("strain", row.strain),
+            ("stiffness_n_mm_per_rad", row.stiffness),
+            ("conditioned_stiffness_n_mm_per_rad", row.conditioned_stiffness.unwrap_or(0.0)),
+            ("width_margin_mm", row.width_margin),
             ("torque_n_mm", row.torque.unwrap_or(0.0)),
             ("nearest_cut_mm", nearest_cut(row).unwrap_or(0.0)),
         ];
@@ -112,6 +115,9 @@ struct JsonRow<'a> {
     centre_offset_mm: f64,
     strain: f64,
     strain_class: String,
+    stiffness_n_mm_per_rad: f64,
+    conditioned_stiffness_n_mm_per_rad: Option<f64>,
+    width_margin_mm: f64,
     torque_n_mm: Option<f64>,
     fatigue: String,
     nearest_cut_mm: Option<f64>,
@@ -134,6 +140,9 @@ impl<'a> JsonRow<'a> {
             centre_offset_mm: row.centre_offset,
             strain: row.strain,
             strain_class: row.strain_class.to_string(),
+            stiffness_n_mm_per_rad: row.stiffness,
+            conditioned_stiffness_n_mm_per_rad: row.conditioned_stiffness,
+            width_margin_mm: row.width_margin,
             torque_n_mm: row.torque,
             fatigue: row.fatigue.to_string(),
             nearest_cut_mm: nearest_cut(row),

@@ -8,8 +8,9 @@ use super::{Profile, read};
 use crate::toml_source::{TomlError, read_text};
 
 /// The profiles inside the program, by name, sorted.
-pub(super) const EMBEDDED: [(&str, &str); 2] = [
+pub(super) const EMBEDDED: [(&str, &str); 3] = [
     ("nitrile-rubber-2mm", include_str!("../../profiles/nitrile-rubber-2mm.toml")),
+    ("nylon-6-5mm", include_str!("../../profiles/nylon-6-5mm.toml")),
     ("steel-304-0.5mm", include_str!("../../profiles/steel-304-0.5mm.toml")),
 ];
 

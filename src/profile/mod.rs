@@ -1,4 +1,4 @@
-//! Profiles: material, sheet, laser and ligament in one TOML file each (`profiles/*.toml`).
+//! Profiles: material, sheet, cutting process and ligament in one TOML file each (`profiles/*.toml`).
 //!
 //! Keys carry their unit as a suffix; inside the program lengths are millimetres, stresses megapascals (N/mm²),
 //! angles radians. A profile file is version 1 of this layout; [`load`] finds, reads and checks it. The same files
@@ -10,19 +10,21 @@ mod read;
 
 pub use load::{ProfileError, load, names};
 pub use read::parse;
-pub(crate) use read::{KERF, SHEET_SIDE};
+pub(crate) use read::{KERF, SHEET_SIDE, TOOL_RADIUS};
 
 /// A checked profile: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Name, as in the file name.
     pub name: String,
+    /// What cuts the sheet.
+    pub process: Process,
     /// The stock.
     pub sheet: Sheet,
     /// The material's mechanics.
     pub material: Material,
-    /// The cutting beam.
-    pub laser: Laser,
+    /// The groove that it leaves.
+    pub cut: Cut,
     /// The piece of material that is left at a hinge.
     pub ligament: Ligament,
 }
@@ -45,8 +47,11 @@ pub struct Sheet {
 pub struct Material {
     /// Name as printed in reports.
     pub name: String,
-    /// Young's modulus, MPa.
+    /// Young's modulus, MPa; of plastics that take up moisture that of the dry material.
     pub youngs_modulus: f64,
+    /// Young's modulus after conditioning in moist air, MPa, at most `youngs_modulus`; `None` where it makes no
+    /// difference.
+    pub conditioned_modulus: Option<f64>,
     /// Yield strain (rubber: strain up to which the material recovers), dimensionless.
     pub yield_strain: f64,
     /// Largest nominal fibre strain that a hinge may reach in a single deployment, dimensionless.
@@ -59,25 +64,58 @@ pub struct Material {
     pub coffin_manson: Option<[f64; 2]>,
 }
 
-/// The cutting beam.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Laser {
-    /// Width of the burned groove, millimetres.
-    pub kerf: f64,
-    /// Least width of material that may stand between two cuts, millimetres.
-    pub min_web: f64,
-    /// Cutting speed, millimetres per second, over all passes together.
-    pub cutting_speed: f64,
+/// What cuts the sheet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Process {
+    /// A laser's beam: walls stand square to the sheet.
+    Laser,
+    /// A cylindrical milling tool.
+    Milling,
 }
 
-/// The ligament at each hinge: a beam between a relief bar and the slit that passes.
+/// The groove of one cut, burned or milled: its centre line is what the machine is told to follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cut {
+    /// Width of the groove, millimetres: a laser's kerf, twice a tool's radius.
+    pub kerf: f64,
+    /// Least width of material that may stand between two grooves, millimetres.
+    pub min_web: f64,
+    /// Cutting speed, millimetres per second, over all passes together.
+    pub speed: f64,
+}
+
+/// The piece of material that is left at each hinge, between the end of one groove and the wall of another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ligament {
-    /// Width of the beam, between the relief bar and the passing slit, millimetres.
+    /// Its least width, across the line from one piece to the other, millimetres.
     pub width: f64,
-    /// Least free length of the beam, millimetres. Longer where the hinge's angle needs it.
+    /// How it gets its length.
+    pub shape: Shape,
+}
+
+/// How a ligament gets its length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A straight beam between a relief bar across the slit's end (a T) and the groove that passes. The bar ends, as
+    /// every groove does, in rounds of half the groove's width.
+    Beam(Beam),
+    /// The same cut, for materials whose wide groove makes those rounds count: a straight beam with rounded ends.
+    Rounded(Beam),
+    /// No bar: the slit's own round end stands against the wall of the groove that passes, a notch of half the
+    /// groove's width on one side. With `extra_length` (millimetres) the end is drawn out along the wall: that much
+    /// of a straight beam between two half notches.
+    Notch {
+        /// Straight length between the halves of the notch, millimetres; 0 for a round one.
+        extra_length: f64,
+    },
+}
+
+/// The numbers of a beam that is freed by a relief bar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beam {
+    /// Least free length, millimetres. Longer where the hinge's angle needs it.
     pub min_length: f64,
-    /// Largest free length of the beam, millimetres.
+    /// Largest free length, millimetres.
     pub max_length: f64,
     /// Elastic effective length minus free length, in units of the width (root compliance, by finite elements).
     pub root_compliance: f64,
@@ -86,7 +124,16 @@ pub struct Ligament {
 impl Profile {
     /// Distance between the two hinge points of an inner corner: ligament width plus slit width, millimetres.
     pub fn hinge_gap(&self) -> f64 {
-        self.ligament.width + self.laser.kerf
+        self.ligament.width + self.cut.kerf
+    }
+
+    /// Least and largest free length of a ligament, millimetres: that of the groove beside it from end to end. A notch
+    /// has one length, the groove's width and what it is drawn out by.
+    pub fn ligament_lengths(&self) -> [f64; 2] {
+        match self.ligament.shape {
+            Shape::Beam(beam) | Shape::Rounded(beam) => [beam.min_length, beam.max_length],
+            Shape::Notch { extra_length } => [self.cut.kerf + extra_length; 2],
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Laser, Ligament, Material, Profile, Sheet};
+use super::{Beam, Cut, Ligament, Material, Process, Profile, Shape, Sheet};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
 pub(crate) const SHEET_SIDE: Limits =
@@ -43,6 +43,22 @@ pub(crate) const KERF: Limits = Limits::new(
     "mm",
     "a focused beam burns a groove of at least 0.005 mm; above 2 mm it is no laser's",
 );
+pub(crate) const TOOL_RADIUS: Limits = Limits::new(
+    0.05,
+    5.0,
+    "mm",
+    "the thinnest end mills have 0.1 mm diameter; beyond 10 mm no hinge is left",
+);
+const FEED: Limits = Limits::new(
+    1.0,
+    20_000.0,
+    "mm/min",
+    "along the path; thin tools break above some metres a minute and rub below a few millimetres",
+);
+const STEP_DOWN: Limits =
+    Limits::new(0.01, 25.0, "mm", "how deep the tool goes in one pass: about its radius in a full groove");
+const EXTRA_LENGTH: Limits =
+    Limits::new(0.0, 50.0, "mm", "straight length beside the notch's round: 0 is none, 50 is no hinge");
 const MIN_WEB: Limits = Limits::new(
     0.01,
     50.0,
@@ -79,7 +95,8 @@ struct RawProfile {
     process: Spanned<String>,
     sheet: RawSheet,
     material: RawMaterial,
-    laser: RawLaser,
+    laser: Option<RawLaser>,
+    tool: Option<RawTool>,
     ligament: RawLigament,
 }
 
@@ -97,6 +114,7 @@ struct RawSheet {
 struct RawMaterial {
     name: Spanned<String>,
     youngs_modulus_mpa: Spanned<f64>,
+    conditioned_modulus_mpa: Option<Spanned<f64>>,
     yield_strain: Spanned<f64>,
     strain_limit: Spanned<f64>,
     elongation: Spanned<f64>,
@@ -115,18 +133,29 @@ struct RawLaser {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
+struct RawTool {
+    radius_mm: Spanned<f64>,
+    min_web_mm: Spanned<f64>,
+    feed_mm_per_min: Spanned<f64>,
+    step_down_mm: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct RawLigament {
+    shape: Option<Spanned<String>>,
     width_mm: Spanned<f64>,
-    min_length_mm: Spanned<f64>,
-    max_length_mm: Spanned<f64>,
-    root_compliance: Spanned<f64>,
+    min_length_mm: Option<Spanned<f64>>,
+    max_length_mm: Option<Spanned<f64>>,
+    root_compliance: Option<Spanned<f64>>,
+    extra_length_mm: Option<Spanned<f64>>,
 }
 
 /// Reads and checks the text of a profile. `name` becomes the profile's name, `file` stands in messages.
 ///
 /// # Errors
 /// Syntax, unknown, missing or mistyped keys, numbers that are not finite or out of range, numbers that
-/// contradict each other, another version than 1, another process than a laser.
+/// contradict each other, another version than 1, a process other than a laser or milling or without its table.
 pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
     let source = TomlSource { file, text };
     let VersionOnly { version } = source.parse()?;
@@ -139,15 +168,21 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
         ));
     }
     let raw: RawProfile = source.parse()?;
-    if raw.process.get_ref() != "laser" {
-        let help = "this version makes laser-cut sheets only";
-        return Err(source.value_error(raw.process.span(), "not supported: allowed is \"laser\"", help));
-    }
+    let process = match raw.process.get_ref().as_str() {
+        "laser" => Process::Laser,
+        "milling" => Process::Milling,
+        _ => {
+            let what = "not supported: allowed is \"laser\", \"milling\"";
+            return Err(source.value_error(raw.process.span(), what, "what cuts the sheet"));
+        }
+    };
+    let sheet = sheet(&source, &raw.sheet)?;
     let profile = Profile {
         name: name.to_owned(),
-        sheet: sheet(&source, &raw.sheet)?,
+        process,
         material: material(&source, &raw.material)?,
-        laser: laser(&source, &raw.laser)?,
+        cut: cut(&source, &raw, process, &sheet)?,
+        sheet,
         ligament: ligament(&source, &raw.ligament)?,
     };
     check_relations(&source, &raw, &profile)?;
@@ -184,31 +219,96 @@ fn material(source: &TomlSource, raw: &RawMaterial) -> Result<Material, TomlErro
         yield_strain: source.number(&raw.yield_strain, &YIELD_STRAIN)?,
         strain_limit: source.number(&raw.strain_limit, &STRAIN_LIMIT)?,
         elongation: source.number(&raw.elongation, &ELONGATION)?,
+        conditioned_modulus: source.optional(raw.conditioned_modulus_mpa.as_ref(), &YOUNGS_MODULUS)?,
         endurance_strain: source.optional(raw.endurance_strain.as_ref(), &ENDURANCE_STRAIN)?,
         coffin_manson,
     })
 }
 
-fn laser(source: &TomlSource, raw: &RawLaser) -> Result<Laser, TomlError> {
-    Ok(Laser {
-        kerf: source.number(&raw.kerf_mm, &KERF)?,
-        min_web: source.number(&raw.min_web_mm, &MIN_WEB)?,
-        cutting_speed: source.number(&raw.cutting_speed_mm_per_s, &CUTTING_SPEED)?,
-    })
+/// The groove, from the table of the process.
+fn cut(source: &TomlSource, raw: &RawProfile, process: Process, sheet: &Sheet) -> Result<Cut, TomlError> {
+    match (process, &raw.laser, &raw.tool) {
+        (Process::Laser, Some(laser), None) => Ok(Cut {
+            kerf: source.number(&laser.kerf_mm, &KERF)?,
+            min_web: source.number(&laser.min_web_mm, &MIN_WEB)?,
+            speed: source.number(&laser.cutting_speed_mm_per_s, &CUTTING_SPEED)?,
+        }),
+        (Process::Milling, None, Some(tool)) => {
+            let passes = (sheet.thickness / source.number(&tool.step_down_mm, &STEP_DOWN)?).ceil();
+            Ok(Cut {
+                kerf: 2.0 * source.number(&tool.radius_mm, &TOOL_RADIUS)?,
+                min_web: source.number(&tool.min_web_mm, &MIN_WEB)?,
+                speed: source.number(&tool.feed_mm_per_min, &FEED)? / 60.0 / passes,
+            })
+        }
+        (Process::Laser, ..) => {
+            let what = "not what the other tables are for: a laser has a table [laser] and no table [tool]";
+            Err(source.value_error(
+                raw.process.span(),
+                what,
+                "give the one table that belongs to the process",
+            ))
+        }
+        (Process::Milling, ..) => {
+            let what = "not what the other tables are for: milling has a table [tool] and no table [laser]";
+            Err(source.value_error(
+                raw.process.span(),
+                what,
+                "give the one table that belongs to the process",
+            ))
+        }
+    }
 }
 
 fn ligament(source: &TomlSource, raw: &RawLigament) -> Result<Ligament, TomlError> {
-    Ok(Ligament {
-        width: source.number(&raw.width_mm, &LIGAMENT_WIDTH)?,
-        min_length: source.number(&raw.min_length_mm, &FREE_LENGTH)?,
-        max_length: source.number(&raw.max_length_mm, &FREE_LENGTH)?,
-        root_compliance: source.number(&raw.root_compliance, &ROOT_COMPLIANCE)?,
+    let word = raw.shape.as_ref().map_or("beam", |shape| shape.get_ref().as_str());
+    let foreign = |key: &Spanned<f64>| {
+        let what = format!("not for the shape \"{word}\"");
+        Err(source.value_error(key.span(), &what, "a beam has a range of lengths, a notch extra_length_mm"))
+    };
+    let shape = match word {
+        "notch" => {
+            let beam = [&raw.min_length_mm, &raw.max_length_mm, &raw.root_compliance];
+            if let Some(key) = beam.into_iter().find_map(Option::as_ref) {
+                return foreign(key);
+            }
+            let extra = source.optional(raw.extra_length_mm.as_ref(), &EXTRA_LENGTH)?;
+            Shape::Notch { extra_length: extra.unwrap_or(0.0) }
+        }
+        "beam" | "rounded" => {
+            if let Some(key) = &raw.extra_length_mm {
+                return foreign(key);
+            }
+            let beam = beam(source, raw)?;
+            if word == "beam" { Shape::Beam(beam) } else { Shape::Rounded(beam) }
+        }
+        _ => {
+            let span = raw.shape.as_ref().map_or(0..0, Spanned::span);
+            let what = "not known: allowed is \"beam\", \"notch\", \"rounded\"";
+            return Err(source.value_error(span, what, "how the ligament gets its length"));
+        }
+    };
+    Ok(Ligament { width: source.number(&raw.width_mm, &LIGAMENT_WIDTH)?, shape })
+}
+
+fn beam(source: &TomlSource, raw: &RawLigament) -> Result<Beam, TomlError> {
+    let number = |value: &Option<Spanned<f64>>, name: &str, limits: &Limits| match value {
+        Some(value) => source.number(value, limits),
+        None => {
+            let help = "a beam between relief bars needs min_length_mm, max_length_mm and root_compliance";
+            Err(source.value_error(raw.width_mm.span(), &format!("without {name} beside it"), help))
+        }
+    };
+    Ok(Beam {
+        min_length: number(&raw.min_length_mm, "min_length_mm", &FREE_LENGTH)?,
+        max_length: number(&raw.max_length_mm, "max_length_mm", &FREE_LENGTH)?,
+        root_compliance: number(&raw.root_compliance, "root_compliance", &ROOT_COMPLIANCE)?,
     })
 }
 
 /// The rules between numbers. Each is `smaller <= larger`; the caret stands under the value to change first.
 fn check_relations(source: &TomlSource, raw: &RawProfile, profile: &Profile) -> Result<(), TomlError> {
-    let Profile { sheet, material, laser, ligament, .. } = profile;
+    let Profile { sheet, material, cut, ligament, .. } = profile;
     let at_most = |value: &Spanned<f64>, limit: f64, named: &str, help: &str| {
         if *value.get_ref() <= limit {
             return Ok(());
@@ -237,10 +337,23 @@ fn check_relations(source: &TomlSource, raw: &RawProfile, profile: &Profile) -> 
         let order = "strain that yields the material in each cycle does tire it";
         at_most(endurance, material.yield_strain, "material.yield_strain", order)?;
     }
-    let burnt = "a web narrower than the groove beside it burns away: raise laser.min_web_mm";
-    at_most(&raw.laser.kerf_mm, laser.min_web, "laser.min_web_mm", burnt)?;
+    if let Some(modulus) = &raw.material.conditioned_modulus_mpa {
+        let softer = "moisture softens a plastic";
+        at_most(modulus, material.youngs_modulus, "material.youngs_modulus_mpa", softer)?;
+    }
+    if let Some(laser) = &raw.laser {
+        let burnt = "a web narrower than the groove beside it burns away: raise laser.min_web_mm";
+        at_most(&laser.kerf_mm, cut.min_web, "laser.min_web_mm", burnt)?;
+    }
     let web = "the ligament is itself a web between two cuts: raise ligament.width_mm";
-    at_most(&raw.laser.min_web_mm, ligament.width, "ligament.width_mm", web)?;
-    let empty = "no free length lies between the two";
-    at_most(&raw.ligament.min_length_mm, ligament.max_length, "ligament.max_length_mm", empty)
+    let min_web = raw.laser.as_ref().map(|laser| &laser.min_web_mm);
+    let min_web = min_web.or(raw.tool.as_ref().map(|tool| &tool.min_web_mm));
+    min_web.map_or(Ok(()), |value| at_most(value, ligament.width, "ligament.width_mm", web))?;
+    if let (Shape::Beam(beam) | Shape::Rounded(beam), Some(least)) =
+        (ligament.shape, &raw.ligament.min_length_mm)
+    {
+        let empty = "no free length lies between the two";
+        at_most(least, beam.max_length, "ligament.max_length_mm", empty)?;
+    }
+    Ok(())
 }

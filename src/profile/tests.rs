@@ -6,8 +6,16 @@ use crate::toml_source::{Diagnostic, TomlError, corruption};
 
 const NOWHERE: &str = "no-such-folder";
 
+fn embedded(name: &str) -> String {
+    EMBEDDED.iter().find(|(known, _)| *known == name).unwrap().1.to_owned()
+}
+
 fn steel() -> String {
-    EMBEDDED.iter().find(|(name, _)| *name == "steel-304-0.5mm").unwrap().1.to_owned()
+    embedded("steel-304-0.5mm")
+}
+
+fn nylon() -> String {
+    embedded("nylon-6-5mm")
 }
 
 fn read(text: &str) -> Result<Profile, TomlError> {
@@ -75,13 +83,45 @@ fn every_file_of_the_folder_is_embedded() {
 fn the_steel_profile_has_the_numbers_of_its_file() {
     let steel = read(&steel()).unwrap();
     assert_eq!([steel.sheet.width, steel.sheet.height, steel.sheet.margin], [1000.0, 1000.0, 5.0]);
-    assert_eq!([steel.sheet.thickness, steel.laser.kerf, steel.laser.min_web], [0.5, 0.05, 0.35]);
+    assert_eq!([steel.sheet.thickness, steel.cut.kerf, steel.cut.min_web], [0.5, 0.05, 0.35]);
     // Rp0.2 / E, which the file rounds to three digits.
     assert!((steel.material.yield_strain - 310.0 / 193_000.0).abs() < 5e-6);
     assert_eq!(steel.material.coffin_manson, Some([0.25, -0.5]));
-    let lengths = [steel.ligament.width, steel.ligament.min_length, steel.ligament.max_length];
-    assert_eq!(lengths, [0.5, 0.5, 2.0]);
+    assert_eq!((steel.ligament.width, steel.ligament_lengths()), (0.5, [0.5, 2.0]));
     assert_eq!(steel.hinge_gap(), 0.55);
+    assert_eq!((steel.process, steel.cut.speed), (Process::Laser, 2.0));
+    let beam = Beam { min_length: 0.5, max_length: 2.0, root_compliance: 1.25 };
+    assert_eq!(steel.ligament.shape, Shape::Beam(beam));
+}
+
+#[test]
+fn a_milled_groove_is_as_wide_as_its_tool_and_ends_in_the_notch() {
+    let profile = read(&nylon()).unwrap();
+    assert_eq!(profile.process, Process::Milling);
+    // 300 mm/min in ten passes of 0.5 mm.
+    assert_eq!(profile.cut, Cut { kerf: 1.0, min_web: 0.5, speed: 0.5 });
+    assert_eq!((profile.hinge_gap(), profile.ligament_lengths()), (1.5, [1.0, 1.0]));
+    assert_eq!(profile.material.conditioned_modulus, Some(1500.0));
+    let longer = read(&with(&nylon(), "ligament.extra_length_mm", "1.0")).unwrap();
+    assert_eq!(longer.ligament_lengths(), [2.0, 2.0]);
+    assert_eq!(longer.hinge_gap(), 1.5);
+}
+
+#[test]
+fn each_process_has_its_own_table_and_each_shape_its_own_keys() {
+    for (text, process) in [(steel(), "milling"), (nylon(), "laser")] {
+        let found = diagnostic(&with(&text, "process", &format!("\"{process}\"")));
+        assert_eq!(found.key, "process");
+        assert!(found.message.contains("has a table ["), "{found}");
+    }
+    let both = format!("{}\n[laser]\nkerf_mm = 1\nmin_web_mm = 1\ncutting_speed_mm_per_s = 1\n", nylon());
+    assert_eq!(diagnostic(&both).key, "process");
+    let found = diagnostic(&with(&steel(), "ligament.shape", "\"notch\""));
+    assert_eq!(found.key, "ligament.min_length_mm");
+    let found = diagnostic(&format!("{}\nextra_length_mm = 1.0\n", steel()));
+    assert_eq!(found.key, "ligament.extra_length_mm");
+    let found = diagnostic(&with(&nylon(), "ligament.shape", "\"round\""));
+    assert!(found.message.contains("allowed is \"beam\", \"notch\", \"rounded\""), "{found}");
 }
 
 #[test]
@@ -131,7 +171,7 @@ fn each_key_is_required_or_optional_as_meant() {
             Err(error) => assert!(error.to_string().contains(name), "{error}"),
         }
     }
-    assert_eq!(optional, ["material.endurance_strain"]);
+    assert_eq!(optional, ["ligament.shape", "material.endurance_strain"]);
     let without =
         text.lines().filter(|line| !line.starts_with("coffin_manson")).collect::<Vec<_>>().join("\n");
     assert_eq!(read(&without).unwrap().material.coffin_manson, None);
@@ -184,9 +224,9 @@ fn numbers_that_contradict_each_other_are_refused() {
 fn another_version_or_process_is_refused_before_unknown_keys() {
     let newer = with(&steel(), "version", "2").replace("[sheet]", "[sheet]\ncurvature = 1");
     assert!(diagnostic(&newer).message.contains("version = 2 is not a version"));
-    let found = diagnostic(&with(&steel(), "process", "\"milling\""));
+    let found = diagnostic(&with(&steel(), "process", "\"waterjet\""));
     assert_eq!(found.key, "process");
-    assert!(found.message.contains("allowed is \"laser\""));
+    assert!(found.message.contains("allowed is \"laser\", \"milling\""));
     let found = diagnostic(&steel().replace("[sheet]", "[sheet]\ncurvature = 1"));
     assert_eq!(found.key, "sheet.curvature");
 }
@@ -202,16 +242,19 @@ fn names_are_found_in_the_users_folder_first_and_paths_beside_the_base() {
     std::fs::write(user.join("bad.toml"), "version = 1\n").unwrap();
 
     let by_name = load_with("steel-304-0.5mm", Path::new(NOWHERE), &user).unwrap();
-    assert_eq!(by_name.laser.kerf, 0.12);
+    assert_eq!(by_name.cut.kerf, 0.12);
     let by_path = load_with("mine.toml", &folder, &user).unwrap();
-    assert_eq!((by_path.laser.kerf, by_path.name.as_str()), (0.12, "mine"));
+    assert_eq!((by_path.cut.kerf, by_path.name.as_str()), (0.12, "mine"));
     assert!(load_with("profiles/bad.toml", &folder, &user).unwrap_err().to_string().contains("bad.toml:1"));
     assert!(matches!(
         load_with("absent.toml", &folder, &user),
         Err(ProfileError::Toml(TomlError::Read { .. }))
     ));
     let message = load_with("steel", &folder, &user).unwrap_err().to_string();
-    assert!(message.contains("\"steel\"; there are bad, nitrile-rubber-2mm, steel-304-0.5mm;"), "{message}");
+    assert!(
+        message.contains("\"steel\"; there are bad, nitrile-rubber-2mm, nylon-6-5mm, steel-304-0.5mm;"),
+        "{message}"
+    );
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -6,7 +6,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::profile::Profile;
+use crate::profile::{Profile, Shape};
 
 /// Poisson's ratio of shear: 0.29 for steel, 0.39 for nylon, 0.5 for rubber. The shear stiffness varies by 8 % over these.
 const POISSON: f64 = 0.35;
@@ -148,9 +148,13 @@ impl Ligament {
 
     /// A ligament of the profile, `length` millimetres long, as the hinge report measures it.
     pub fn of_profile(profile: &Profile, length: f64) -> Self {
-        let ligament = &profile.ligament;
-        let neck = Neck { width: ligament.width, straight: length, radius: 0.0, two_sided: false };
-        Self::new(&neck, &Stock::of_profile(profile), ligament.root_compliance, PIECE_COMPLIANCE)
+        let width = profile.ligament.width;
+        let (straight, radius, root) = match profile.ligament.shape {
+            Shape::Beam(beam) | Shape::Rounded(beam) => (length, 0.0, beam.root_compliance),
+            Shape::Notch { extra_length } => (extra_length, 0.5 * profile.cut.kerf, NOTCH_ROOT),
+        };
+        let neck = Neck { width, straight, radius, two_sided: false };
+        Self::new(&neck, &Stock::of_profile(profile), root, PIECE_COMPLIANCE)
     }
 
     /// Largest moment that it bears: the whole section at the yield stress, N mm.

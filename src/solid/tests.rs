@@ -13,7 +13,7 @@ use crate::fabrication::test_sheet::{TestSheet, cut_open, profile, sheets};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
-use crate::profile::Profile;
+use crate::profile::{Beam, Profile, Shape};
 
 /// Half a grid of coordinates below 256 mm, moved by up to a turn: rounding of the outlines.
 const GRID: f64 = 2e-5;
@@ -26,8 +26,8 @@ fn made(design: &Design, profile: &Profile) -> Fabrication {
 fn milled() -> Profile {
     let mut profile = profile();
     profile.sheet.thickness = 5.0;
-    profile.laser.kerf = 1.0;
-    profile.ligament.min_length = 1.5;
+    profile.cut.kerf = 1.0;
+    profile.ligament.shape = Shape::Beam(Beam { min_length: 1.5, max_length: 2.0, root_compliance: 1.2 });
     profile
 }
 

@@ -49,7 +49,7 @@ pub(super) fn check(
     wanted: Wanted,
     faults: &mut Vec<Fault>,
 ) -> Burned {
-    let kerf = wanted.profile.laser.kerf;
+    let kerf = wanted.profile.cut.kerf;
     let windows = Windows::new(&file.paths);
     let falling = falling_out(&file.paths, border, contacts, kerf, &windows);
     for (at, size, path) in &falling {

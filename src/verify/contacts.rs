@@ -37,7 +37,7 @@ pub(super) struct Contacts {
 
 impl Contacts {
     pub fn new(grooves: &Grooves, profile: &Profile) -> Self {
-        let kerf = profile.laser.kerf;
+        let kerf = profile.cut.kerf;
         // A little more than the grooves of a ligament, so that the least web is always found.
         let range = 1.1 * profile.hinge_gap();
         let search = |index: usize| -> Vec<Pair> { near_pairs(grooves, index, range, kerf) };

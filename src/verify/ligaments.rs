@@ -15,7 +15,7 @@ use crate::fabrication::mechanics::required_length;
 use crate::fabrication::states::sheet_vertices;
 use crate::fabrication::web::{nearest_on_segment, segment_gap};
 use crate::kirigami::design::{Hinge, State};
-use crate::profile::Profile;
+use crate::profile::{Profile, Shape};
 
 /// Largest difference of a ligament's width from the profile's, anywhere along it, millimetres.
 pub const WIDTH_TOLERANCE: f64 = 0.01;
@@ -119,7 +119,13 @@ fn ligament_of(hinge: &Hinge, grooves: &Grooves, wanted: Wanted, forced: f64) ->
     let Wanted { design, profile, .. } = wanted;
     let point = Point::new(hinge.point.x, hinge.point.y);
     // Where the angle asks for more than the profile's longest ligament, that one is made, and the hinge fails.
-    let length = required_length(profile, hinge.angle).unwrap_or(profile.ligament.max_length);
+    // A notch is free over what it is drawn out by.
+    let length = match profile.ligament.shape {
+        Shape::Notch { extra_length } => extra_length,
+        Shape::Beam(beam) | Shape::Rounded(beam) => {
+            required_length(profile, hinge.angle).unwrap_or(beam.max_length)
+        }
+    };
     let here = measure(grooves, point, length, profile);
     if forced == 0.0 || here.as_ref().is_ok_and(|found| wrong(*found, profile.ligament.width).is_empty()) {
         return here;
@@ -171,7 +177,7 @@ fn wrong(ligament: Ligament, width: f64) -> Vec<String> {
 
 /// The ligament of the given length at a point.
 fn measure(grooves: &Grooves, point: Point, length: f64, profile: &Profile) -> Result<Ligament, String> {
-    let half_kerf = 0.5 * profile.laser.kerf;
+    let half_kerf = 0.5 * profile.cut.kerf;
     let reach = 4.0 * profile.ligament.width + half_kerf;
     let place = around(point, reach.max(length));
     let near: Vec<[Point; 2]> = grooves.near(place).map(|segment| grooves.segments[segment].ends).collect();

@@ -151,7 +151,7 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
     if !faults.is_empty() || file.paths.is_empty() {
         return (None, faults);
     }
-    let (profile, kerf) = (wanted.profile, wanted.profile.laser.kerf);
+    let (profile, kerf) = (wanted.profile, wanted.profile.cut.kerf);
     let stock_distance = paths::check_stock(file, profile, &mut faults);
     let shortest_segment = paths::check_segments(file, &mut faults);
     let Some(border) = paths::check_border(file, &mut faults) else { return (None, faults) };

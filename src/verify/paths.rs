@@ -66,7 +66,7 @@ pub(super) fn cuts(paths: &[CutPath]) -> Vec<(&'static str, usize, f64)> {
 
 /// Least distance of the grooves from the stock's edge.
 pub(super) fn check_stock(file: &MachineFile, profile: &Profile, faults: &mut Vec<Fault>) -> f64 {
-    let (sheet, half) = (&profile.sheet, 0.5 * profile.laser.kerf);
+    let (sheet, half) = (&profile.sheet, 0.5 * profile.cut.kerf);
     let distance = |part: Rect| {
         [part.x0, part.y0, sheet.width - part.x1, sheet.height - part.y1]
             .into_iter()
@@ -159,7 +159,7 @@ pub(super) fn check_webs(
     let paths = &file.paths;
     let length =
         |path: usize| -> f64 { paths[path].segments(FLAT).iter().map(|[a, b]| a.distance(*b)).sum() };
-    let (kerf, limit) = (profile.laser.kerf, profile.laser.min_web);
+    let (kerf, limit) = (profile.cut.kerf, profile.cut.min_web);
     let mut web = f64::INFINITY;
     for &Pair { paths: [a, b], gap, at, contact, shared } in contacts.pairs.iter().chain(&contacts.folded) {
         let [first, second] = [a, b].map(|path| cut_name(paths, path));

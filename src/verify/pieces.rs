@@ -49,7 +49,7 @@ struct Side {
 pub(super) fn check(file: &MachineFile, grooves: &Grooves, wanted: Wanted, faults: &mut Vec<Fault>) -> f64 {
     let profile = wanted.profile;
     let sides = sides(wanted);
-    let corner = 0.5 * profile.ligament.max_length + profile.ligament.width + profile.laser.kerf;
+    let corner = 0.5 * profile.ligament_lengths()[1] + profile.ligament.width + profile.cut.kerf;
     let found: Vec<(f64, Point)> = sides.par_iter().map(|side| farthest(grooves, side, corner)).collect();
     let limit = limit(wanted);
     let mut worst = 0.0_f64;
@@ -124,7 +124,7 @@ fn check_strays(file: &MachineFile, sides: &[Side], wanted: Wanted, corner: f64,
     };
     let tree = RTree::bulk_load(sides.iter().enumerate().map(line).collect());
     let profile = wanted.profile;
-    let bar = 0.5 * profile.ligament.max_length + profile.ligament.width + profile.laser.kerf;
+    let bar = 0.5 * profile.ligament_lengths()[1] + profile.ligament.width + profile.cut.kerf;
     let limit = limit(wanted);
     // How far a cut strays, and the limit where that is worst.
     let stray = |index: usize| -> (f64, f64, Point) {

@@ -46,7 +46,7 @@ pub fn table(figures: &Figures, wanted: Wanted) -> String {
             "what its angle needs".to_owned(),
         ),
         row("ligament off its hinge", millimetres(off), format!("{:.3} mm", forced + CENTRE_TOLERANCE)),
-        row("web between cuts", millimetres(figures.web), format!(">= {} mm", profile.laser.min_web)),
+        row("web between cuts", millimetres(figures.web), format!(">= {} mm", profile.cut.min_web)),
         row("gap between cuts' ends", millimetres(figures.end_gap), String::new()),
         row("safe join tolerance", join_tolerance(figures), String::new()),
     ]);

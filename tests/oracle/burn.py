@@ -230,13 +230,18 @@ def check_ligaments(hinges, grooves, tolerance, report):
     report.figures.update({key: round(value, 6) for key, value in worst.items()})
 
 
+def inner_point(polygon):
+    """The centroid; of a piece like a hook, which does not contain it, another point inside."""
+    return polygon.centroid if polygon.contains(polygon.centroid) else polygon.representative_point()
+
+
 def check_pieces(design, hinges, body, report):
     state = design.get("sheet_state") or "closed"
     pieces = design["pieces"]
-    centres = [shapely.Polygon([v[:2] for v in piece[state]]).centroid for piece in pieces]
+    centres = [inner_point(shapely.Polygon([v[:2] for v in piece[state]])) for piece in pieces]
     shapely.prepare(body)
     for index in np.flatnonzero(~shapely.contains(body, np.array(centres))):
-        report.fail("piece", f"{index}: centroid ({centres[index].x:.3f}, {centres[index].y:.3f}) is not in the body")
+        report.fail("piece", f"{index}: middle ({centres[index].x:.3f}, {centres[index].y:.3f}) is not in the body")
     report.figures["pieces"] = len(pieces)
     if "hinges" in design:
         points = [np.array(h["point"]) for h in design["hinges"]], [np.array(h["point"]) for h in hinges]

@@ -65,6 +65,8 @@ pub fn exit_point(plan: &Plan<'_>, corner: usize) -> Option<Point> {
             Some(slit.intersect(other).unwrap_or(square))
         }
         CornerKind::Inner { .. }
+        | CornerKind::Tee { .. }
+        | CornerKind::Bend { .. }
         | CornerKind::BorderHinge { .. }
         | CornerKind::Junction
         | CornerKind::Free => None,
@@ -109,7 +111,11 @@ fn corner_vertices(plan: &Plan<'_>, arrives: usize, leaves: usize) -> Vec<PathVe
         CornerKind::Junction if plan.junctions.get(&corner).is_some_and(|junction| !junction.closed) => {
             along_junction(plan, corner, arrives, leaves).into_iter().map(straight).collect()
         }
-        CornerKind::Free | CornerKind::Inner { .. } | CornerKind::Junction => {
+        CornerKind::Free
+        | CornerKind::Inner { .. }
+        | CornerKind::Tee { .. }
+        | CornerKind::Bend { .. }
+        | CornerKind::Junction => {
             free_corner(plan, frame.middle, offset_line(plan, arrives), offset_line(plan, leaves))
         }
     }
@@ -192,9 +198,13 @@ fn vertex(plan: &Plan<'_>, corner: usize, edge: usize) -> Point {
     let frame = &plan.frames[corner];
     let leaves = plan.topology.edges[edge].ends[0] == corner;
     let above = match frame.kind {
+        // A slit that comes from a T-junction leaves the sheet between two vertices in one place.
+        CornerKind::Exit { exit } if plan.topology.edges[exit].hinge.is_none() => return frame.middle,
         CornerKind::Exit { .. } => leaves,
         CornerKind::Concave { in_line_leaves, .. } => leaves == in_line_leaves,
         CornerKind::Inner { .. }
+        | CornerKind::Tee { .. }
+        | CornerKind::Bend { .. }
         | CornerKind::BorderHinge { .. }
         | CornerKind::Junction
         | CornerKind::Free => return frame.middle,

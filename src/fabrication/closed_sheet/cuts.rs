@@ -3,13 +3,15 @@
 use kurbo::{Point, Vec2};
 
 use super::border::border_vertices;
+use super::frame::CornerKind;
 use super::slit::{Plan, Slit, relief_bar, slits};
 use crate::fabrication::cuts::{ARC_TOLERANCE, Touch};
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
+use crate::fabrication::topology::Edge;
 use crate::fabrication::web::nearest_on_segment;
 
-/// The cuts, in no useful order: slits, then one relief bar per hinge, then the border loops.
+/// The cuts, in no useful order: slits, then one relief bar per hinge that is no round notch, then the border loops.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CutSet {
     /// The paths.
@@ -25,8 +27,8 @@ pub struct CutSet {
 /// The cuts around one ligament: indices into [`CutSet::paths`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct HingeCuts {
-    /// Its relief bar.
-    pub relief: usize,
+    /// Its relief bar; `None` where the slit's own round end is the notch.
+    pub relief: Option<usize>,
     /// The slit that ends on the relief bar.
     pub slit: usize,
     /// What bounds the ligament on its other side: the slit that passes, the border, or several cuts.
@@ -47,7 +49,15 @@ pub fn cut_set(plan: &Plan<'_>) -> Result<CutSet, FabricationError> {
     let reliefs = reliefs(plan);
     let loops = loops(plan)?;
     let mut paths: Vec<CutPath> = slits.iter().map(|slit| open_path(CutKind::Slit, &slit.points)).collect();
-    paths.extend(reliefs.iter().map(|(_, bar)| open_path(CutKind::Relief, bar)));
+    let bars: Vec<Option<usize>> = reliefs
+        .iter()
+        .map(|(_, bar)| {
+            // Nanometres of rounding make no bar.
+            let drawn = bar[0].distance(bar[1]) > 1e-6;
+            drawn.then(|| paths.push(open_path(CutKind::Relief, bar)));
+            drawn.then(|| paths.len() - 1)
+        })
+        .collect();
     let mut cuts_at = cuts_at_corners(plan, &slits, paths.len());
     paths.extend(loops);
     for (&corner, junction) in plan.junctions.iter().filter(|(_, junction)| junction.closed) {
@@ -57,15 +67,21 @@ pub fn cut_set(plan: &Plan<'_>) -> Result<CutSet, FabricationError> {
         window.closed = true;
         paths.push(window);
     }
-    let (hinges, mut touches) = hinge_cuts(plan, &slits, &reliefs, &cuts_at);
+    let (hinges, mut touches) = hinge_cuts(plan, &slits, &reliefs, &bars, &cuts_at);
     touches.extend(slit_touches(&slits, &paths, &cuts_at));
     Ok(CutSet { paths, hinges, touches, slits })
 }
 
 /// With every side longer than the hinge points' shifts at its ends all directions are well defined.
 fn check_sides(plan: &Plan<'_>) -> Result<(), FabricationError> {
-    let limit = 2.0 * plan.gap;
     for edge in &plan.topology.edges {
+        let limit = plan.gap
+            * match edge.right {
+                _ if !is_plain(plan, edge) => 2.0,
+                Some(_) => 1.0,
+                // Half a ligament stands outside of the border's corner: so a flap there is a ligament's width wide.
+                None => 0.5,
+            };
         let [from, to] = edge.ends.map(|corner| plan.frames[corner].middle);
         let (length, Point { x, y }) = (from.distance(to), from.midpoint(to));
         if length <= limit {
@@ -73,6 +89,16 @@ fn check_sides(plan: &Plan<'_>) -> Result<(), FabricationError> {
         }
     }
     Ok(())
+}
+
+/// Whether no hinge points are shifted at the ends of an edge: along slits of bistable sheets that hold nothing, and at
+/// the border where only such slits run out.
+fn is_plain(plan: &Plan<'_>, edge: &Edge) -> bool {
+    let plain = |corner: usize| match plan.frames[corner].kind {
+        CornerKind::Exit { exit } => plan.topology.edges[exit].hinge.is_none(),
+        kind => kind == CornerKind::Free,
+    };
+    edge.hinge.is_none() && (edge.right.is_some() || edge.ends.into_iter().all(plain))
 }
 
 fn open_path(kind: CutKind, points: &[Point]) -> CutPath {
@@ -111,7 +137,7 @@ fn loops(plan: &Plan<'_>) -> Result<Vec<CutPath>, FabricationError> {
 fn cuts_at_corners(plan: &Plan<'_>, slits: &[Slit], first_loop: usize) -> Vec<Vec<usize>> {
     let mut cuts = vec![Vec::new(); plan.frames.len()];
     for (index, slit) in slits.iter().enumerate() {
-        cuts[slit.corner].push(index);
+        slit.corners.iter().for_each(|&corner| cuts[corner].push(index));
     }
     for (index, border) in plan.topology.loops.iter().enumerate() {
         for &edge in border {
@@ -126,7 +152,11 @@ fn slit_touches(slits: &[Slit], paths: &[CutPath], cuts_at: &[Vec<usize>]) -> Ve
     let mut touches = Vec::new();
     for (index, slit) in slits.iter().enumerate() {
         let [first, last] = [slit.points[0], slit.points[slit.points.len() - 1]];
-        let others: Vec<usize> = cuts_at[slit.corner].iter().copied().filter(|&o| o != index).collect();
+        let mut others: Vec<usize> =
+            slit.corners.iter().flat_map(|&corner| &cuts_at[corner]).copied().collect();
+        others.sort_unstable();
+        others.dedup();
+        others.retain(|&other| other != index);
         for point in [first, last] {
             let on = |&other: &usize| {
                 let mut segments = paths[other].segments(ARC_TOLERANCE).into_iter();
@@ -150,6 +180,7 @@ fn hinge_cuts(
     plan: &Plan<'_>,
     slits: &[Slit],
     reliefs: &[(usize, [Point; 2])],
+    bars: &[Option<usize>],
     cuts_at: &[Vec<usize>],
 ) -> (Vec<HingeCuts>, Vec<Touch>) {
     let mut slit_of_hinge = vec![0; reliefs.len()];
@@ -165,13 +196,13 @@ fn hinge_cuts(
         else {
             continue; // reliefs exist for hinged edges only
         };
-        let relief = slits.len() + id;
+        let relief = bars[id];
         let passing = cuts_at[hinge.corner].clone();
         let edges = &plan.topology.fans[hinge.corner].edges;
         let others = edges.iter().filter_map(|&other| plan.topology.edges[other].hinge_at(hinge.corner));
         let others = others.filter(|&other| other != id);
-        let across = others.flat_map(|other| [slits.len() + other, slit_of_hinge[other]]).collect();
-        touches.push(Touch { paths: [slit_of_hinge[id], relief], point: end });
+        let across = others.flat_map(|other| bars[other].into_iter().chain([slit_of_hinge[other]])).collect();
+        touches.extend(relief.map(|relief| Touch { paths: [slit_of_hinge[id], relief], point: end }));
         hinges.push(HingeCuts { relief, slit: slit_of_hinge[id], passing, across, normal });
     }
     (hinges, touches)

@@ -13,6 +13,8 @@
 //!       ---                     |                                                   --------  border
 //!        |                      |
 //! ```
+//!
+//! A T-junction of a bistable sheet is the upper half of an inner corner: one piece has the passing slit's other side.
 
 use kurbo::{Point, Vec2};
 
@@ -32,6 +34,18 @@ pub enum CornerKind {
         hinged: [usize; 2],
         /// Edges of the slit that passes; the tangent points along the first.
         passing: [usize; 2],
+    },
+    /// Three pieces: one edge is hinged, and the slit that passes along the other two goes straight by the third piece.
+    Tee {
+        /// The hinged edge; the normal points along it.
+        hinged: usize,
+        /// Edges of the slit that passes; the tangent points along the first.
+        passing: [usize; 2],
+    },
+    /// Two pieces: one slit between them turns here.
+    Bend {
+        /// Its edges.
+        edges: [usize; 2],
     },
     /// Two pieces hinged at the sheet's border.
     BorderHinge {
@@ -66,7 +80,7 @@ pub struct CornerFrame {
     pub middle: Point,
     /// Which edges do what.
     pub kind: CornerKind,
-    /// Unit normal of the passing slit or border; zero at a free corner and at a junction.
+    /// Unit normal of the passing slit or border; zero at a free corner, a bend and a junction.
     pub normal: Vec2,
     /// Unit tangent of it; zero likewise.
     pub tangent: Vec2,
@@ -93,7 +107,7 @@ pub fn corner_frames(
         let narrow = fan.border && {
             let far = |edge: usize| middle(design, topology.edges[edge].far(corner));
             let sides = [fan.edges[0], fan.edges[fan.edges.len() - 1]].map(far);
-            let room = 0.5 * longest(fan) + 3.0 * profile.laser.kerf;
+            let room = 0.5 * longest(fan) + 3.0 * profile.cut.kerf;
             notch_depth(middle(design, corner), sides, profile.hinge_gap()) > room
         };
         let kind = corner_kind(topology, corner, fan, narrow)
@@ -141,6 +155,12 @@ fn corner_kind(
     if !fan.border {
         return match *fan.edges.as_slice() {
             [] => Ok(CornerKind::Free),
+            [a, b] if !hinged(a) && !hinged(b) => Ok(CornerKind::Bend { edges: [a, b] }),
+            [a, b, c] if [a, b, c].into_iter().filter(|&edge| hinged(edge)).count() == 1 => {
+                let first = [a, b, c].into_iter().position(hinged).unwrap_or(0);
+                let [hinged, before, after] = [0, 1, 2].map(|i| [a, b, c][(first + i) % 3]);
+                Ok(CornerKind::Tee { hinged, passing: [before, after] })
+            }
             _ if count % 2 == 1 || count < 4 || !alternate(&fan.edges) => Err(ALTERNATE),
             [a, b, c, d] if hinged(a) => Ok(CornerKind::Inner { hinged: [a, c], passing: [b, d] }),
             [a, b, c, d] => Ok(CornerKind::Inner { hinged: [b, d], passing: [c, a] }),
@@ -182,7 +202,12 @@ fn directions(
         if across.dot(far(hinged) - at) < 0.0 { -across } else { across }
     };
     match kind {
-        CornerKind::Free | CornerKind::Junction => (Vec2::ZERO, Vec2::ZERO),
+        CornerKind::Free | CornerKind::Junction | CornerKind::Bend { .. } => (Vec2::ZERO, Vec2::ZERO),
+        CornerKind::Tee { hinged, passing } => {
+            let normal = gap_normal(design, topology, corner, hinged, None)
+                .unwrap_or_else(|| chord_normal(passing[1], passing[0], hinged));
+            (normal, towards(normal.turn_90(), far(passing[0]) - at))
+        }
         CornerKind::Inner { hinged, passing } => {
             // Opposite a cut that ends here stands no hinge, and no vertex that the passing slit's normal goes through.
             let opposite = topology.edges[hinged[1]].right.map(|_| hinged[1]);

@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn ligaments_around_a_junction_are_as_wide_as_all_others() {
         let profile = profile();
-        let (gap, kerf) = (profile.hinge_gap(), profile.laser.kerf);
+        let (gap, kerf) = (profile.hinge_gap(), profile.cut.kerf);
         for (n, length) in [(6, 0.8), (6, 1.35), (8, 1.1), (10, 0.8)] {
             // The corners of a regular polygon of n/2 sides stand radius * tan(2 pi / n) beside the sides' middles.
             let radius = 1.5 * gap / (2.0 * PI / n as f64).tan();
@@ -314,7 +314,7 @@ mod tests {
                 let design = star(n, 2.0 * PI, offset, 0);
                 let (set, _) = cuts_of(&design, &profile, &vec![length; n]).unwrap();
                 let index = CutIndex::new(&set.paths);
-                check_webs(&set.paths, &set.touches, &index, kerf, profile.laser.min_web).unwrap();
+                check_webs(&set.paths, &set.touches, &index, kerf, profile.cut.min_web).unwrap();
                 let ligaments = measure_ligaments(&design.hinges, &set, &index, kerf);
                 for ligament in &ligaments {
                     assert!((ligament.width - profile.ligament.width).abs() < 1e-9, "{n} {ligament:?}");
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn cuts_may_end_where_four_or_more_pieces_meet() {
         let profile = profile();
-        let kerf = profile.laser.kerf;
+        let kerf = profile.cut.kerf;
         // Four and five pieces, hinged at the first inner spoke or at the second, around narrow wedges and at a straight border.
         for (n, first, wedge) in
             [(4, 1, 30.0), (4, 0, 30.0), (5, 1, 38.0), (5, 0, 38.0), (6, 1, 30.0), (4, 1, 180.0)]
@@ -345,7 +345,7 @@ mod tests {
             let lengths = vec![0.9; design.hinges.len()];
             let (set, _) = cuts_of(&design, &profile, &lengths).unwrap();
             let index = CutIndex::new(&set.paths);
-            let webs = check_webs(&set.paths, &set.touches, &index, kerf, profile.laser.min_web);
+            let webs = check_webs(&set.paths, &set.touches, &index, kerf, profile.cut.min_web);
             assert!(webs.is_ok(), "{n} {first} {wedge}: {webs:?}");
             let ligaments = measure_ligaments(&design.hinges, &set, &index, kerf);
             for ligament in &ligaments {

@@ -19,8 +19,13 @@ pub fn measure_ligaments(
 ) -> Vec<MeasuredLigament> {
     let segments: Vec<_> = set.paths.iter().map(|path| path.segments(ARC_TOLERANCE)).collect();
     let measure = |(hinge, cuts): (&Hinge, &HingeCuts)| {
-        let vertices = &set.paths[cuts.relief].vertices;
-        let bar = [vertices[0].point, vertices[vertices.len() - 1].point];
+        let vertices = &set.paths[cuts.relief.unwrap_or(cuts.slit)].vertices;
+        let mut bar = [vertices[0].point, vertices[vertices.len() - 1].point];
+        if cuts.relief.is_none() {
+            let point = Point::new(hinge.point.x, hinge.point.y);
+            let [first, last] = bar.map(|end| end.distance_squared(point));
+            bar = [bar[usize::from(last < first)]; 2];
+        }
         let foot = |point: Point| {
             let feet = cuts.passing.iter().flat_map(|&path| &segments[path]);
             let feet = feet.map(|&segment| nearest_on_segment(point, segment));
@@ -30,7 +35,7 @@ pub fn measure_ligaments(
         let middle = bar[0].midpoint(bar[1]);
         let width = [bar[0], middle, bar[1]].map(|point| point.distance(foot(point)) - kerf);
         let centre = middle.midpoint(foot(middle));
-        let mut except = vec![cuts.relief, cuts.slit];
+        let mut except = vec![cuts.relief.unwrap_or(cuts.slit), cuts.slit];
         except.extend(cuts.passing.iter().chain(&cuts.across));
         MeasuredLigament {
             width: width[0].min(width[1]).min(width[2]),

@@ -14,6 +14,9 @@ pub mod order;
 
 pub mod ligament;
 
+#[cfg(test)]
+mod bistable_tests;
+
 use std::collections::BTreeMap;
 
 use self::cuts::{CutSet, cut_set};
@@ -54,14 +57,14 @@ pub fn cuts_of(
 /// # Errors
 /// Those of [`cuts_of`]; cuts too close together; pieces that fall off, hang together or collide when they open.
 pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
-    let kerf = profile.laser.kerf;
+    let kerf = profile.cut.kerf;
     let (set, topology) = cuts_of(design, profile, lengths)?;
     let cuts = in_cutting_order(&set);
     let index = CutIndex::new(&cuts.paths);
-    check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.laser.min_web)?;
+    check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.cut.min_web)?;
     let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);
     let outlines = piece_outlines(design, &cuts.paths, &ligaments, kerf)?;
     check_hinge_collisions(design, &outlines, &ligaments)?;
-    check_corner_collisions(design, &topology.fans, &outlines)?;
+    check_corner_collisions(design, &topology, &outlines)?;
     Ok(LaidOut { paths: cuts.paths, ligaments, outlines })
 }

@@ -5,7 +5,7 @@ use kurbo::Point;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::cuts::CutSet;
+use super::cuts::{CutSet, HingeCuts};
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 
 /// A slit's end as stored in the search tree: position, slit, and which of its ends.
@@ -19,7 +19,12 @@ type SlitEnd = GeomWithData<[f64; 2], (usize, usize)>;
 pub fn in_cutting_order(set: &CutSet) -> CutSet {
     let mut steps = slit_steps(set);
     let closed = |kind: CutKind| (0..set.paths.len()).filter(move |&i| set.paths[i].kind == kind);
-    let reliefs: Vec<Point> = closed(CutKind::Relief).map(|i| set.paths[i].vertices[0].point).collect();
+    let ends = |cuts: &HingeCuts| {
+        let slit = &set.slits[cuts.slit];
+        let bar = cuts.relief.map(|bar| vec![set.paths[bar].vertices[0].point]);
+        bar.unwrap_or_else(|| vec![slit.points[0], slit.points[slit.points.len() - 1]])
+    };
+    let reliefs: Vec<Point> = set.hinges.iter().flat_map(ends).collect();
     for index in closed(CutKind::Window).chain(closed(CutKind::Border)) {
         steps.push((index, started_far_from(&set.paths[index], &reliefs)));
     }
@@ -29,7 +34,7 @@ pub fn in_cutting_order(set: &CutSet) -> CutSet {
     }
     let mut ordered = set.clone();
     for hinge in &mut ordered.hinges {
-        hinge.relief = new_index[hinge.relief];
+        hinge.relief = hinge.relief.map(|bar| new_index[bar]);
         hinge.slit = new_index[hinge.slit];
         for path in hinge.passing.iter_mut().chain(&mut hinge.across) {
             *path = new_index[*path];
@@ -57,7 +62,7 @@ fn slit_steps(set: &CutSet) -> Vec<(usize, CutPath)> {
         let other = if first == 0 { cut.points[cut.points.len() - 1] } else { cut.points[0] };
         left.remove(&nearest);
         left.remove(&SlitEnd::new([other.x, other.y], (slit, 1 - first)));
-        let bar = |end: usize| cut.hinges[end].map(|hinge| set.hinges[hinge].relief);
+        let bar = |end: usize| cut.hinges[end].and_then(|hinge| set.hinges[hinge].relief);
         for index in [bar(first), Some(slit), bar(1 - first)].into_iter().flatten() {
             let mut path = set.paths[index].clone();
             if index == slit {

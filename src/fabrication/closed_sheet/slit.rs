@@ -1,9 +1,11 @@
 //! Slits and relief bars: open paths, built from the corners' frames.
 //!
 //! The slit of an edge ends on the relief bar, in front of the ligament of its own hinge, and passes the corner at
-//! its other end in a straight stretch along the other hinges' ligaments. So every inner corner of four pieces gives one
-//! slit of two edges, every exit one of one edge, every junction one per edge, and every hinge one relief bar. A narrow
-//! cut that ends inside the sheet is a slit from its end to where the border's cut turns back.
+//! its other end in a straight stretch along the other hinges' ligaments. A notch has no bar: the slit's own round end
+//! stands there, and the tool's centre is the slit's last point. So every inner corner of four pieces gives one
+//! slit of two edges, every exit one of one edge, every junction one per edge, and every hinge one relief bar. In a
+//! bistable sheet a slit begins at one rectangle, passes its next corner, turns where it meets the mirrored cell's, and
+//! ends at the mirrored rectangle. A narrow cut that ends inside the sheet is a slit from its end to where the border's cut turns back.
 
 use std::collections::BTreeMap;
 
@@ -41,7 +43,7 @@ impl<'a> Plan<'a> {
         lengths: &'a [f64],
         profile: &Profile,
     ) -> Self {
-        Plan { topology, frames, junctions, lengths, gap: profile.hinge_gap(), kerf: profile.laser.kerf }
+        Plan { topology, frames, junctions, lengths, gap: profile.hinge_gap(), kerf: profile.cut.kerf }
     }
 
     /// Half-length of the straight stretch of the cut that passes `hinge`s at a corner, on the side of `edge`:
@@ -68,7 +70,9 @@ impl<'a> Plan<'a> {
                 let normal = if hinged[0] == edge { frame.normal } else { -frame.normal };
                 Some((frame.middle + self.gap * normal, normal))
             }
-            CornerKind::Concave { .. } => Some((frame.middle + self.gap * frame.normal, frame.normal)),
+            CornerKind::Concave { .. } | CornerKind::Tee { .. } => {
+                Some((frame.middle + self.gap * frame.normal, frame.normal))
+            }
             CornerKind::BorderHinge { .. } => {
                 Some((frame.middle + 0.5 * self.gap * frame.normal, frame.normal))
             }
@@ -76,7 +80,7 @@ impl<'a> Plan<'a> {
                 let &(foot, normal) = self.junctions.get(&corner)?.feet.get(&edge)?;
                 Some((foot + self.gap * normal, normal))
             }
-            CornerKind::Exit { .. } | CornerKind::Free => None,
+            CornerKind::Exit { .. } | CornerKind::Bend { .. } | CornerKind::Free => None,
         }
     }
 }
@@ -84,8 +88,8 @@ impl<'a> Plan<'a> {
 /// A slit's centre line and the hinges at its two ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slit {
-    /// The corner that it passes, where it exits or where it meets others.
-    pub corner: usize,
+    /// The corners that it passes, where it turns, where it exits or where it meets others.
+    pub corners: Vec<usize>,
     /// Centre line from the first hinge's relief bar (or from another cut) to the second's, or to the border.
     pub points: Vec<Point>,
     /// The hinges at its ends, where it ends at one.
@@ -96,18 +100,27 @@ pub struct Slit {
 
 /// All slits, in the corners' order.
 pub fn slits(plan: &Plan<'_>) -> Vec<Slit> {
-    (0..plan.frames.len()).flat_map(|corner| slits_at(plan, corner)).collect()
+    let mut cut = vec![false; plan.topology.edges.len()];
+    (0..plan.frames.len()).flat_map(|corner| slits_at(plan, corner, &mut cut)).collect()
 }
 
-fn slits_at(plan: &Plan<'_>, corner: usize) -> Vec<Slit> {
+/// The slits of a corner whose edges are not `cut` yet; marks those.
+fn slits_at(plan: &Plan<'_>, corner: usize, cut: &mut [bool]) -> Vec<Slit> {
     let frame = &plan.frames[corner];
-    let hinge_of = |edge: usize| plan.topology.edges[edge].hinge.map(|hinge| hinge.id);
-    let ending = |edge: usize, rest: Vec<Point>, exits: bool| {
-        let points: Vec<Point> = plan.slit_end(edge).map(|(end, _)| end).into_iter().chain(rest).collect();
-        Slit { corner, points, hinges: [hinge_of(edge), None], exits }
+    let mut ending = |edge: usize, rest: Vec<Point>, exits: bool| {
+        if cut[edge] {
+            return Slit { corners: vec![], points: vec![], hinges: [None; 2], exits };
+        }
+        let run = run(plan, corner, edge, cut);
+        let points: Vec<Point> = run.points.into_iter().rev().chain(rest).collect();
+        let corners = run.corners.into_iter().chain([corner]).collect();
+        Slit { corners, points, hinges: [run.hinge, None], exits }
     };
     let slits = match frame.kind {
-        CornerKind::Inner { hinged, passing } => passing_slits(plan, corner, hinged, passing),
+        CornerKind::Inner { hinged, passing } => passing_slits(plan, corner, hinged, passing, cut),
+        CornerKind::Tee { passing, .. } | CornerKind::Bend { edges: passing } => {
+            through_slit(plan, corner, passing, cut).into_iter().collect()
+        }
         CornerKind::Exit { exit } => {
             vec![ending(exit, [frame.middle].into_iter().chain(exit_point(plan, corner)).collect(), true)]
         }
@@ -130,19 +143,119 @@ fn slits_at(plan: &Plan<'_>, corner: usize) -> Vec<Slit> {
     slits.into_iter().filter(|slit| slit.points.len() > 1).collect()
 }
 
-/// The slit between two ligaments, and that of a narrow cut which ends on it.
-fn passing_slits(plan: &Plan<'_>, corner: usize, hinged: [usize; 2], passing: [usize; 2]) -> Vec<Slit> {
+/// What a slit does from one of its corners on, along one of its edges.
+#[derive(Debug, Default)]
+struct Run {
+    /// Its points, the end last.
+    points: Vec<Point>,
+    /// The corners after the first at which it does not end in front of a hinge.
+    corners: Vec<usize>,
+    /// The hinge in front of which it ends.
+    hinge: Option<usize>,
+    /// Whether it ends on the border's cut.
+    exits: bool,
+}
+
+/// Follows a slit from `corner` along `edge` to its end, and marks its edges as cut. It passes T-junctions and turns at
+/// bends until it comes to a hinge, to the border or to a junction.
+fn run(plan: &Plan<'_>, corner: usize, edge: usize, cut: &mut [bool]) -> Run {
+    let mut run = Run::default();
+    let (mut corner, mut edge) = (corner, edge);
+    while !cut[edge] {
+        cut[edge] = true;
+        corner = plan.topology.edges[edge].far(corner);
+        if let Some(hinge) = plan.topology.edges[edge].hinge_at(corner) {
+            run.points.extend(plan.slit_end(edge).map(|(end, _)| end));
+            run.hinge = Some(hinge);
+            break;
+        }
+        let frame = &plan.frames[corner];
+        run.corners.push(corner);
+        let passing = match frame.kind {
+            CornerKind::Inner { passing, .. } | CornerKind::Tee { passing, .. } => passing,
+            CornerKind::Bend { edges } => edges,
+            CornerKind::Exit { .. } => {
+                run.points.push(frame.middle);
+                run.points.extend(exit_point(plan, corner));
+                run.exits = true;
+                break;
+            }
+            CornerKind::Concave { hinged, exit, .. } => {
+                let reach = plan.stretch(corner, exit, &plan.hinges_of(&[hinged]));
+                run.points.push(frame.middle + reach * frame.tangent);
+                run.points.extend(exit_point(plan, corner));
+                run.exits = true;
+                break;
+            }
+            CornerKind::Junction => {
+                let junction = plan.junctions.get(&corner);
+                let start =
+                    junction.and_then(|junction| junction.starts.iter().find(|start| start.0 == edge));
+                run.points.extend(start.map(|&(_, start)| start));
+                run.exits = junction.is_some_and(|junction| !junction.closed);
+                break;
+            }
+            CornerKind::BorderHinge { .. } | CornerKind::Free => break,
+        };
+        let onwards = if passing[0] == edge { [edge, passing[1]] } else { [edge, passing[0]] };
+        run.points.extend(through(plan, corner, onwards));
+        edge = onwards[1];
+    }
+    run
+}
+
+/// The points of a slit that comes to a corner along the first of two edges and goes on along the second: a straight
+/// stretch along the ligaments, or one point where there is none.
+fn through(plan: &Plan<'_>, corner: usize, edges: [usize; 2]) -> Vec<Point> {
     let frame = &plan.frames[corner];
-    let hinges = plan.hinges_of(&hinged);
-    let reach = passing.map(|edge| plan.stretch(corner, edge, &hinges));
+    let (hinges, first) = match frame.kind {
+        CornerKind::Inner { hinged, passing } => (plan.hinges_of(&hinged), passing[0]),
+        CornerKind::Tee { hinged, passing } => (plan.hinges_of(&[hinged]), passing[0]),
+        _ => return vec![frame.middle],
+    };
+    let forwards = if edges[0] == first { frame.tangent } else { -frame.tangent };
+    let reach = edges.map(|edge| plan.stretch(corner, edge, &hinges));
+    vec![frame.middle + reach[0] * forwards, frame.middle - reach[1] * forwards]
+}
+
+/// The slit through a corner to its two ends; `None` where it is cut already.
+fn through_slit(plan: &Plan<'_>, corner: usize, edges: [usize; 2], cut: &mut [bool]) -> Option<Slit> {
+    if cut[edges[0]] {
+        return None;
+    }
+    let [mut from, mut to] = edges.map(|edge| run(plan, corner, edge, cut));
+    let mut middle = through(plan, corner, edges);
+    if from.exits {
+        std::mem::swap(&mut from, &mut to);
+        middle.reverse();
+    }
+    let points = from.points.into_iter().rev().chain(middle).chain(to.points).collect();
+    let corners = from.corners.into_iter().rev().chain([corner]).chain(to.corners).collect();
+    Some(Slit { corners, points, hinges: [from.hinge, to.hinge], exits: to.exits })
+}
+
+/// The slit between two ligaments, and that of a narrow cut which ends on it.
+fn passing_slits(
+    plan: &Plan<'_>,
+    corner: usize,
+    hinged: [usize; 2],
+    passing: [usize; 2],
+    cut: &mut [bool],
+) -> Vec<Slit> {
+    let frame = &plan.frames[corner];
     // A border edge stands for a narrow cut.
     let border = |edge: usize| plan.topology.edges[edge].right.is_none();
-    let end = |edge: usize| if border(edge) { notch(plan, corner) } else { Some(plan.slit_end(edge)?.0) };
-    let [Some(from), Some(to)] = passing.map(end) else { return Vec::new() };
-    let points =
-        vec![from, frame.middle + reach[0] * frame.tangent, frame.middle - reach[1] * frame.tangent, to];
-    let hinge_of = |edge: usize| plan.topology.edges[edge].hinge.map(|hinge| hinge.id);
-    let mut slits = vec![Slit { corner, points, hinges: passing.map(hinge_of), exits: border(passing[1]) }];
+    let mut slits = Vec::new();
+    if border(passing[1]) {
+        let Some(tip) = notch(plan, corner).filter(|_| !cut[passing[0]]) else { return Vec::new() };
+        let from = run(plan, corner, passing[0], cut);
+        let middle = through(plan, corner, passing);
+        let points = from.points.into_iter().rev().chain(middle).chain([tip]).collect();
+        let corners = from.corners.into_iter().rev().chain([corner]).collect();
+        slits.push(Slit { corners, points, hinges: [from.hinge, None], exits: true });
+    } else {
+        slits.extend(through_slit(plan, corner, passing, cut));
+    }
     let tip = notch(plan, corner).filter(|_| border(hinged[1]));
     slits.extend(tip.map(|tip| notch_slit(corner, [frame.middle, tip])));
     slits
@@ -150,11 +263,11 @@ fn passing_slits(plan: &Plan<'_>, corner: usize, hinged: [usize; 2], passing: [u
 
 /// The slit of a narrow cut, from its end to where the border's cut turns back.
 fn notch_slit(corner: usize, ends: [Point; 2]) -> Slit {
-    Slit { corner, points: ends.into(), hinges: [None, None], exits: true }
+    Slit { corners: vec![corner], points: ends.into(), hinges: [None, None], exits: true }
 }
 
 /// The relief bar of the hinge on `edge`: its centre line's two ends. The burned bar is as long as the ligament's
-/// free length, so the centre line is a kerf shorter. `None` for a border edge.
+/// free length, so the centre line is a kerf shorter; that of a round notch is one point. `None` without a hinge.
 pub fn relief_bar(plan: &Plan<'_>, edge: usize) -> Option<[Point; 2]> {
     let hinge = plan.topology.edges[edge].hinge?;
     let (end, normal) = plan.slit_end(edge)?;

@@ -11,7 +11,7 @@ use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 use crate::fabrication::topology::Topology;
 use crate::kirigami::design::Design;
-use crate::profile::Profile;
+use crate::profile::{Profile, Shape};
 
 /// The straight end of a window beside a ligament.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,11 @@ impl WindowCuts {
         profile: &Profile,
         lengths: &[f64],
     ) -> Result<Self, FabricationError> {
-        let necks = necks(design, lengths)?;
+        // A notch is as long as its groove from end to end, the groove's centre line shorter.
+        let notch = matches!(profile.ligament.shape, Shape::Notch { .. });
+        let shorter = if notch { profile.cut.kerf } else { 0.0 };
+        let flats: Vec<f64> = lengths.iter().map(|length| length - shorter).collect();
+        let necks = necks(design, &flats)?;
         let mut flats: Vec<Vec<Flat>> = vec![Vec::new(); necks.len()];
         let mut paths = Vec::new();
         for rim in rims(design, topology, profile)? {

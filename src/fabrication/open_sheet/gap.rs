@@ -30,7 +30,7 @@ const GAP_TOLERANCE: f64 = 1e-3;
 /// `tilt`: angle between the closed pieces on either side of the passing slit, radians, in 0 to less than pi; 0 where
 /// the closed state is flat.
 pub fn open_sheet_gap(profile: &Profile, tilt: f64) -> f64 {
-    profile.ligament.width + profile.laser.kerf.max(profile.sheet.thickness * (0.5 * tilt).tan())
+    profile.ligament.width + profile.cut.kerf.max(profile.sheet.thickness * (0.5 * tilt).tan())
 }
 
 /// Checks the distances of the hinge points at every inner corner in the closed state.

@@ -6,6 +6,7 @@ use super::cuts::{Flat, WindowCuts};
 use crate::fabrication::ligament::MeasuredLigament;
 use crate::fabrication::web::{CutIndex, nearest_on_segment};
 use crate::kirigami::design::Hinge;
+use crate::profile::{Profile, Shape};
 
 /// Measures the ligament of every hinge, in the hinges' order.
 ///
@@ -14,28 +15,30 @@ pub fn measure_ligaments(
     hinges: &[Hinge],
     cuts: &WindowCuts,
     index: &CutIndex,
-    kerf: f64,
+    profile: &Profile,
 ) -> Vec<MeasuredLigament> {
+    let kerf = profile.cut.kerf;
+    // A notch reaches to the ends of the groove's rounds.
+    let rounds = if matches!(profile.ligament.shape, Shape::Notch { .. }) { kerf } else { 0.0 };
     let measure = |(hinge, flats): (&Hinge, &[Flat; 2])| {
         let [first, second] = flats.map(|flat| cuts.segment(flat));
         let across = |from: [Point; 2], to: [Point; 2]| {
             let distance = |point: Point| point.distance(nearest_on_segment(point, to));
             distance(from[0]).min(distance(from[1]))
         };
-        let [middle, opposite] = [first, second].map(|[a, b]| a.midpoint(b));
-        let centre = middle.midpoint(nearest_on_segment(middle, second));
-        let around = [first, second].map(|flat| index.nearest(flat, &flats.map(|flat| flat.path)));
         let lengths = [first, second].map(|[a, b]| a.distance(b));
-        // The bar from the flat's middle, as long as the shorter one.
-        let length = lengths[0].min(lengths[1]);
-        let half = 0.5 * length * (first[1] - first[0]).normalize();
+        // The shorter flat decides where the ligament is.
+        let [short, long] = if lengths[0] <= lengths[1] { [first, second] } else { [second, first] };
+        let middle = short[0].midpoint(short[1]);
+        let centre = middle.midpoint(nearest_on_segment(middle, long));
+        let around = [first, second].map(|flat| index.nearest(flat, &flats.map(|flat| flat.path)));
         MeasuredLigament {
             width: across(first, second).min(across(second, first)) - kerf,
-            length,
+            length: lengths[0].min(lengths[1]) + rounds,
             centre,
-            centre_offset: middle.midpoint(opposite).distance(Point::new(hinge.point.x, hinge.point.y)),
+            centre_offset: centre.distance(Point::new(hinge.point.x, hinge.point.y)),
             nearest_cut: around[0].min(around[1]) - kerf,
-            bar: [middle - half, middle + half],
+            bar: short,
         }
     };
     hinges.iter().zip(&cuts.flats).map(measure).collect()

@@ -59,7 +59,7 @@ pub fn cuts_of(
 /// Those of [`cuts_of`]; cuts too close together; pieces that fall off or hang together; a closed state without
 /// room for the pieces or their folded ligaments.
 pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
-    let (kerf, min_web) = (profile.laser.kerf, profile.laser.min_web);
+    let (kerf, min_web) = (profile.cut.kerf, profile.cut.min_web);
     let (cuts, topology) = cuts_of(design, profile, lengths)?;
     let motions = motions(design);
     check_gaps(design, &topology, &motions, profile)?;
@@ -67,10 +67,10 @@ pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<La
     let index = CutIndex::new(&cuts.paths);
     check_rims(&cuts.paths, kerf, min_web)?;
     check_webs(&cuts.paths, &[], &index, kerf, min_web)?;
-    let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);
+    let ligaments = measure_ligaments(&design.hinges, &cuts, &index, profile);
     let outlines = piece_outlines(design, &cuts.paths, &ligaments, kerf)?;
     check_hinge_collisions(design, &outlines, &ligaments)?;
-    check_corner_collisions(design, &topology.fans, &outlines)?;
+    check_corner_collisions(design, &topology, &outlines)?;
     check_folded_ligaments(design, &topology, &motions, &outlines, &ligaments, profile)?;
     Ok(LaidOut { paths: cuts.paths, ligaments, outlines })
 }

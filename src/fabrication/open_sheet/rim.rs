@@ -2,6 +2,11 @@
 //!
 //! Every side of every piece belongs to one rim and every hinge stands on two, or twice on one. The side along a
 //! closed edge faces the window of that edge's end that does not carry the hinge.
+//!
+//! In a bistable sheet windows belong to crossings of slits, not to corners with hinges. There the rims are followed from
+//! side to side: at a hinge to the other piece, at any other vertex to the same piece's next side.
+
+use std::collections::BTreeMap;
 
 use kurbo::{Point, Vec2};
 
@@ -62,6 +67,9 @@ pub struct Rim {
 /// # Errors
 /// Hinges that do not alternate around a piece.
 pub fn rims(design: &Design, topology: &Topology, profile: &Profile) -> Result<Vec<Rim>, FabricationError> {
+    if topology.edges.iter().any(|edge| edge.right.is_some() && edge.hinge.is_none()) {
+        return faces(design, topology, profile);
+    }
     let weaver =
         Weaver { design, topology, profile, senses: senses(design, topology)?, motions: motions(design) };
     let mut rims = Vec::new();
@@ -73,6 +81,43 @@ pub fn rims(design: &Design, topology: &Topology, profile: &Profile) -> Result<V
     for border in &topology.loops {
         let corners: Vec<usize> = border.iter().map(|&edge| topology.edges[edge].ends[1]).collect();
         rims.push(weaver.rim(&corners, true)?);
+    }
+    Ok(rims)
+}
+
+/// The rims of a sheet in which some slits hold nothing, followed from side to side.
+fn faces(design: &Design, topology: &Topology, profile: &Profile) -> Result<Vec<Rim>, FabricationError> {
+    let weaver = Weaver { design, topology, profile, senses: vec![], motions: motions(design) };
+    let mut across = BTreeMap::new();
+    for (id, hinge) in design.hinges.iter().enumerate() {
+        let [j, k] = [0, 1].map(|side| (hinge.pieces[side], hinge.vertices[side]));
+        across.insert(j, (id, k));
+        across.insert(k, (id, j));
+    }
+    let edges = topology.edges.iter().enumerate();
+    let edge_of: BTreeMap<[usize; 2], usize> =
+        edges.flat_map(|(id, edge)| [(edge.ends, id), ([edge.ends[1], edge.ends[0]], id)]).collect();
+    let mut seen: Vec<Vec<bool>> =
+        design.pieces.iter().map(|piece| vec![false; piece.corners.len()]).collect();
+    let mut rims = Vec::new();
+    for first in 0..design.pieces.len() {
+        for start in 0..design.pieces[first].corners.len() {
+            let mut rim = Rim { nodes: vec![], sides: vec![], border: false };
+            let (mut piece, mut vertex) = (first, start);
+            while !seen[piece][vertex] {
+                seen[piece][vertex] = true;
+                let corners = &design.pieces[piece].corners;
+                let next = (vertex + 1) % corners.len();
+                let edge = edge_of[&[corners[vertex], corners[next]]];
+                let hinge = across.get(&(piece, vertex)).map(|&(id, _)| id);
+                weaver.add_side(&mut rim, piece, [vertex, next], hinge, edge)?;
+                rim.border |= topology.edges[edge].right.is_none();
+                (piece, vertex) = across.get(&(piece, next)).map_or((piece, next), |&(_, other)| other);
+            }
+            if !rim.sides.is_empty() {
+                rims.push(rim);
+            }
+        }
     }
     Ok(rims)
 }
@@ -115,23 +160,37 @@ impl Weaver<'_> {
                 let (Some(start), Some(end)) = (self.vertex(piece, from), self.vertex(piece, to)) else {
                     return Err(self.damaged(piece));
                 };
-                let vertices = &self.design.pieces[piece].open;
-                if (start + 1) % vertices.len() != end {
+                if (start + 1) % self.design.pieces[piece].open.len() != end {
                     return Err(self.damaged(piece));
-                }
-                let ends = [start, end].map(|v| Point::new(vertices[v].x, vertices[v].y));
-                if ends[0].distance(ends[1]) < self.profile.laser.kerf {
-                    let (length, Point { x, y }) = (ends[0].distance(ends[1]), ends[0].midpoint(ends[1]));
-                    let needed = self.profile.laser.kerf;
-                    return Err(FabricationError::ShortSide { piece, x, y, length, needed });
                 }
                 let hinge = self.topology.edges[from].hinge.map(|hinge| hinge.id);
                 let along = if self.senses[piece] { from } else { to };
-                rim.nodes.push(Node { point: ends[0], hinge });
-                rim.sides.push(Side { piece, ends, inset: self.inset(along) });
+                self.add_side(&mut rim, piece, [start, end], hinge, along)?;
             }
         }
         Ok(rim)
+    }
+
+    /// Adds a piece's side between two of its vertices, of which the first may stand at a hinge; closed, it lies along
+    /// `edge`.
+    fn add_side(
+        &self,
+        rim: &mut Rim,
+        piece: usize,
+        vertices: [usize; 2],
+        hinge: Option<usize>,
+        edge: usize,
+    ) -> Result<(), FabricationError> {
+        let open = &self.design.pieces[piece].open;
+        let ends = vertices.map(|v| Point::new(open[v].x, open[v].y));
+        if ends[0].distance(ends[1]) < self.profile.cut.kerf {
+            let (length, Point { x, y }) = (ends[0].distance(ends[1]), ends[0].midpoint(ends[1]));
+            let needed = self.profile.cut.kerf;
+            return Err(FabricationError::ShortSide { piece, x, y, length, needed });
+        }
+        rim.nodes.push(Node { point: ends[0], hinge });
+        rim.sides.push(Side { piece, ends, inset: self.inset(edge) });
+        Ok(())
     }
 
     fn damaged(&self, piece: usize) -> FabricationError {
@@ -156,6 +215,6 @@ impl Weaver<'_> {
         // Beyond a right angle the pieces meet in space otherwise than along this edge.
         let tilt = a.angle(&b).min(std::f64::consts::FRAC_PI_2);
         let room = self.profile.sheet.thickness * (0.5 * tilt).tan();
-        (0.5 * (room - self.profile.laser.kerf)).max(0.0)
+        (0.5 * (room - self.profile.cut.kerf)).max(0.0)
     }
 }

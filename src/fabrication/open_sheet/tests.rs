@@ -33,7 +33,7 @@ fn refused(design: &Design, length: f64) -> FabricationError {
 /// The cuts where the design lies and the ligaments measured on them.
 fn cuts(design: &Design, length: f64) -> (WindowCuts, Vec<MeasuredLigament>) {
     let (set, _) = cuts_of(design, &profile(), &vec![length; design.hinges.len()]).unwrap();
-    let ligaments = measure_ligaments(&design.hinges, &set, &CutIndex::new(&set.paths), profile().laser.kerf);
+    let ligaments = measure_ligaments(&design.hinges, &set, &CutIndex::new(&set.paths), &profile());
     (set, ligaments)
 }
 
@@ -166,7 +166,7 @@ fn bent_sheets_keep_the_ligaments_width_and_length() {
         }
         let ordered = set.clone().in_cutting_order();
         let index = CutIndex::new(&ordered.paths);
-        let again = measure_ligaments(&design.hinges, &ordered, &index, 0.05);
+        let again = measure_ligaments(&design.hinges, &ordered, &index, &profile());
         for (a, b) in ligaments.iter().zip(&again) {
             assert!((a.width - b.width).abs() < ROUNDING && (a.length - b.length).abs() < ROUNDING);
         }

@@ -50,7 +50,7 @@ pub fn trace(
     necks: &[Neck],
     profile: &Profile,
 ) -> Result<Traced, FabricationError> {
-    let (width, kerf) = (profile.ligament.width, profile.laser.kerf);
+    let (width, kerf) = (profile.ligament.width, profile.cut.kerf);
     let tool = Tool { reach: 0.5 * (width + kerf), root: root_radius(profile), kerf };
     let count = rim.nodes.len();
     let mut corners: Vec<Corner> = Vec::new();

@@ -7,7 +7,7 @@ use super::{WriteHingesError, check, nearest_cut, verdict_name};
 use crate::fabrication::hinge_table::HingeRow;
 
 /// The header; the order is that of `hinges.json`.
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 25] = [
     "id",
     "piece_j",
     "piece_k",
@@ -25,6 +25,9 @@ const COLUMNS: [&str; 22] = [
     "centre_offset_mm",
     "strain",
     "strain_class",
+    "stiffness_n_mm_per_rad",
+    "conditioned_stiffness_n_mm_per_rad",
+    "width_margin_mm",
     "torque_n_mm",
     "fatigue",
     "nearest_cut_mm",
@@ -77,6 +80,9 @@ fn fields(row: &HingeRow) -> [String; COLUMNS.len()] {
         fixed(row.centre_offset, MM),
         fixed(row.strain, STRAIN),
         row.strain_class.to_string(),
+        fixed(row.stiffness, TORQUE),
+        optional(row.conditioned_stiffness, TORQUE),
+        fixed(row.width_margin, MM),
         optional(row.torque, TORQUE),
         row.fatigue.to_string(),
         optional(nearest_cut(row), MM),
