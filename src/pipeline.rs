@@ -47,6 +47,10 @@ pub use predict::{Prediction, predict};
 /// Piece polygons must be at least this many hinge gaps wide, so that ligaments and slits find room.
 const LEAST_WIDTH_IN_GAPS: f64 = 2.0;
 
+/// Those of bistable sheets, whose necks and border pieces bear no hinges on both sides: what slits on either side leave
+/// of them is as wide as a ligament.
+const LEAST_NECK_IN_GAPS: f64 = 1.0;
+
 /// A design with all that is needed to measure it again.
 pub struct Designed {
     /// The design; its sheet state is not yet placed on the stock.
@@ -129,7 +133,11 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     if !shortfalls.is_empty() {
         return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
     }
-    let least_width = LEAST_WIDTH_IN_GAPS * job.fabrication.profile.hinge_gap();
+    let gaps = match job.pattern.kind {
+        Kind::RotatingRectangles => LEAST_WIDTH_IN_GAPS,
+        Kind::Bistable(_) => LEAST_NECK_IN_GAPS,
+    };
+    let least_width = gaps * job.fabrication.profile.hinge_gap();
     validity::check(&design, &goals, least_width)?;
     let stages = vec![
         Stage { name: "stage-1", reports: reports1 },

@@ -210,9 +210,11 @@ fn a_missing_cut_file_is_told_on_the_terminal_and_to_machines() {
     let told = run(&folder, ["make".as_ref(), job.as_os_str(), "-o".as_ref(), "roof".as_ref()]);
     assert_eq!((told.status, told.stderr.as_str()), (0, ""));
     assert!(told.stdout.starts_with("roof: made\n"), "{}", told.stdout);
-    for part in
-        ["no flat cut file, though the profile steel-304-0.5mm is for a laser", "off the target", "closed "]
-    {
+    for part in [
+        "no flat cut file, though the profile steel-304-0.5mm is for cutting sheets",
+        "off the target",
+        "closed ",
+    ] {
         assert!(told.stdout.contains(part), "{part:?} is not in {}", told.stdout);
     }
     let told =

@@ -49,7 +49,26 @@ fn samples() -> Vec<(&'static str, String)> {
     let paraboloid = |u: f64, v: f64| [127.0 * u, 102.0 * v, 45.0 - 27.0 * (u * u + v * v)];
     let knoll =
         |u: f64, v: f64| [130.0 * u, 130.0 * v, 10.0 * (1.0 + (PI * u).cos()) * (1.0 + (PI * v).cos())];
+    // For bistable sheets.
+    let flat = |u: f64, v: f64| {
+        [240.0 * u * (1.0 + 0.05 * v) + 9.6 * v * v, 240.0 * v * (1.0 + 0.04 * u) - 12.0 * u * u, 0.0]
+    };
+    let cap = |u: f64, v: f64| [240.0 * u, 240.0 * v, 38.4 * (2.0 - u * u - v * v)];
+    let saddle = |u: f64, v: f64| [240.0 * u, 240.0 * v, 48.0 * (u * u - v * v)];
+    let sphere = |u: f64, v: f64| {
+        let [x, y] = [(0.35 * u).tan(), (0.35 * v).tan()];
+        let radius = 598.0 / (1.0 + x * x + y * y).sqrt();
+        [radius * x, radius * y, radius - 598.0]
+    };
+    let wave = |u: f64, v: f64| [240.0 * u, 240.0 * v, 19.2 * (1.2 * u + 0.3).sin() * v.cos()];
+    let shallow = |u: f64, v: f64| [200.0 * u, 200.0 * v, 12.0 * (u * u - v * v)];
     vec![
+        ("snap-expanded.obj", graph("a saddle of 400 mm x 400 mm, 24 mm high", [30, 30], shallow)),
+        ("snap-flat.obj", graph("a sheet of about 480 mm x 480 mm whose sides bend", [30, 30], flat)),
+        ("snap-dome.obj", graph("a dome of 480 mm x 480 mm, 77 mm high", [30, 30], cap)),
+        ("snap-saddle.obj", graph("a saddle of 480 mm x 480 mm, 96 mm high", [30, 30], saddle)),
+        ("snap-sphere.obj", graph("a patch of a sphere of radius 598 mm", [30, 30], sphere)),
+        ("snap-wave.obj", graph("where the points of snap-sphere.obj go", [30, 30], wave)),
         ("dome.obj", graph("a dome of 300 mm x 300 mm, 90 mm high", [40, 40], dome)),
         ("closing.obj", graph("a vault of 220 mm x 180 mm", [36, 30], vault)),
         ("roof-closed.obj", graph("a paraboloid of 254 mm x 204 mm", [32, 26], paraboloid)),

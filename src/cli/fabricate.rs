@@ -54,6 +54,7 @@ pub fn run(
         hashes: &origin.hashes,
         product: &product,
         solids: thick.as_ref(),
+        snap: None,
         quality,
         stages: &origin.stages,
         profile: &profile,

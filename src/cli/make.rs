@@ -9,13 +9,14 @@ use super::results::{Results, file_names, no_cut_file};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print, solids};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
-use crate::job::{Job, read_job};
+use crate::job::{Job, Kind, read_job};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Fit, Quality};
 use crate::memory;
-use crate::output::folder::OutputFolder;
-use crate::output::{design_json, hinge_report, partial_json};
+use crate::output::folder::{OutputFolder, SNAP_FILES};
+use crate::output::{design_json, hinge_report, partial_json, snap_report};
 use crate::pipeline::{Clock, Made, Progress, make, source_hashes};
+use crate::snap::assess::{Snap, assess};
 use crate::solid::ThickSheet;
 
 /// Runs the job and writes its results, all or none.
@@ -47,12 +48,14 @@ pub fn run(
     refuse_failing(made.product.hinges(), allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&made.product, &job.fabrication.profile))?;
     let input = Input { job: &job, name: &name };
+    let snap = snapping(&made, &job, &mut clock);
     Results {
         name: &name,
         target: &input.target_name(),
         hashes: &source_hashes(&job, job_file),
         product: &made.product,
         solids: thick.as_ref(),
+        snap: snap.as_ref(),
         quality: &made.quality,
         stages: &made.stages,
         profile: &job.fabrication.profile,
@@ -62,15 +65,31 @@ pub fn run(
     .leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, thick.as_ref(), &input, &folder));
+        events::tell(&result_event(&made, (thick.as_ref(), snap.as_ref()), &input, &folder));
     } else if !reporting.quiet {
-        print(&summary(&made, thick.as_ref(), &input, &folder, unused_partial));
+        print(&summary(&made, (thick.as_ref(), snap.as_ref()), &input, &folder, unused_partial));
     }
     Ok(())
 }
 
+/// With more hinges the way of a whole sheet takes minutes.
+const MOST_HINGES: usize = 3000;
+
+/// How a bistable sheet snaps, where it is small enough to be followed.
+fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
+    let design = made.product.design();
+    let followed = matches!(job.pattern.kind, Kind::Bistable(_)) && design.hinges.len() <= MOST_HINGES;
+    let assess = || assess(design, made.product.hinges(), &job.fabrication.profile);
+    followed.then(|| clock.run("snap", |_| assess()))
+}
+
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(made: &Made, thick: Option<&ThickSheet>, input: &Input, folder: &Path) -> serde_json::Value {
+fn result_event(
+    made: &Made,
+    (thick, snap): (Option<&ThickSheet>, Option<&Snap>),
+    input: &Input,
+    folder: &Path,
+) -> serde_json::Value {
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
@@ -78,7 +97,8 @@ fn result_event(made: &Made, thick: Option<&ThickSheet>, input: &Input, folder: 
         "event": "result",
         "status": 0,
         "folder": folder,
-        "files": file_names(product),
+        "files": file_names(product).iter().chain(snap.iter().flat_map(|_| &SNAP_FILES)).collect::<Vec<_>>(),
+        "snap": snap.map(|snap| snap_report::object(snap, &input.job.fabrication.profile.name)),
         "pieces": product.design().pieces.len(),
         "hinges": product.hinges().len(),
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
@@ -171,7 +191,7 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
 
 fn summary(
     made: &Made,
-    thick: Option<&ThickSheet>,
+    (thick, snap): (Option<&ThickSheet>, Option<&Snap>),
     input: &Input,
     folder: &Path,
     unused_partial: bool,
@@ -191,6 +211,17 @@ fn summary(
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
+    if let Some(snap) = snap {
+        let figures = snap_report::figures(snap);
+        let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
+        text += "Snap, by the model of docs/snap.md:\n";
+        figures.iter().for_each(|(label, value)| text += &format!("  {label:<width$}  {value}\n"));
+    } else if matches!(input.job.pattern.kind, Kind::Bistable(_)) {
+        text += &format!(
+            "The snap of more than {MOST_HINGES} hinges takes minutes and was left out: kirimorph snap {} -p PROFILE\n",
+            folder.join("design.json").display()
+        );
+    }
     if unused_partial {
         text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";
     }
@@ -209,6 +240,9 @@ fn summary(
         }
     };
     text += &files;
+    if snap.is_some() {
+        text += "  snap.json, snap.svg         energy and torque on the way between the states\n";
+    }
     text += "  preview.svg                 look at this first\n\
              \x20 hinges.csv, hinges.json     the hinge placement report\n\
              \x20 design.json, timings.json   the design with its figures, and the times\n";

@@ -16,13 +16,14 @@ use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{
-    ASSEMBLY_FILES, FolderError, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, SHEET_FILES, SOLIDS,
+    ASSEMBLY_FILES, FolderError, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, SHEET_FILES, SNAP_FILES, SOLIDS,
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
-use crate::output::{hinge_report, svg};
+use crate::output::{hinge_report, snap_report, svg};
 use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
+use crate::snap::assess::Snap;
 use crate::solid::ThickSheet;
 use crate::verify::{self, Fault, Files, ReadError, Wanted};
 
@@ -65,6 +66,8 @@ pub struct Results<'a> {
     pub product: &'a Product,
     /// The sheet's solids; `None` where neither state is flat.
     pub solids: Option<&'a ThickSheet>,
+    /// How a bistable sheet snaps.
+    pub snap: Option<&'a Snap>,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
     /// What the solver did.
@@ -144,6 +147,12 @@ impl Results<'_> {
         out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
         out.write::<WriteError>("hinges.json", |file| Ok(hinge_report::write_json(hinges, profile, file)?))?;
         out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
+        if let Some(snap) = self.snap {
+            let [json, svg] = SNAP_FILES;
+            let object = snap_report::object(snap, &profile.name);
+            out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
+            out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
+        }
         match product {
             Product::Sheet(sheet) => self.write_sheet(sheet, out),
             Product::Assembly(assembly) => self.write_assembly(assembly, out),
@@ -210,7 +219,7 @@ pub fn file_names(product: &Product) -> &'static [&'static str] {
 pub fn no_cut_file(profile: &str) -> String {
     format!(
         "Neither state is flat, so there is no sheet to cut, no part.stl and no flat cut file, though the profile {profile} \
-         is for a laser: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be \
+         is for cutting sheets: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be \
          made one by one, and joined at their hinges. For a cut file give the job a flat closed or open target."
     )
 }

@@ -173,7 +173,7 @@ fn centroid(contour: &[[f64; 2]]) -> [f64; 2] {
 
 /// A point inside a polygon: the centroid where it lies more than `clear` inside, else, of the middles of some horizontal
 /// chords, the one farthest from the sides. Bistable sheets have pieces like stars and hooks.
-fn inner_point(polygon: &[[f64; 2]], clear: f64) -> [f64; 2] {
+pub fn inner_point(polygon: &[[f64; 2]], clear: f64) -> [f64; 2] {
     let depth = |[x, y]: [f64; 2]| {
         let point = Point::new(x, y);
         let sides = (0..polygon.len()).map(|i| [polygon[i], polygon[(i + 1) % polygon.len()]]);

@@ -34,6 +34,9 @@ const fn sheet_files(moved: &'static str) -> [&'static str; 9] {
     ]
 }
 
+/// What is told of the snap of a bistable sheet, besides the other files.
+pub const SNAP_FILES: [&str; 2] = ["snap.json", "snap.svg"];
+
 /// Solids of the pieces in the closed and in the open state.
 pub const SOLIDS: [&str; 2] = ["pieces-closed.stl", "pieces-open.stl"];
 
@@ -73,7 +76,7 @@ pub enum FolderError {
 
 /// Whether a file is one that a run makes.
 fn is_of_a_run(name: &str) -> bool {
-    let lists = [&SHEET_FILES[..], &OPEN_SHEET_FILES, &ASSEMBLY_FILES];
+    let lists = [&SHEET_FILES[..], &OPEN_SHEET_FILES, &ASSEMBLY_FILES, &SNAP_FILES];
     lists.iter().any(|files| files.contains(&name)) || name == PARTIAL
 }
 

@@ -2,7 +2,7 @@
 
 use super::clock::Clock;
 use super::error::PipelineError;
-use super::{LEAST_WIDTH_IN_GAPS, reached};
+use super::{LEAST_NECK_IN_GAPS, reached};
 use crate::job::Job;
 use crate::kirigami::bistable::cell::BistableCell;
 use crate::kirigami::bistable::fit::{asked, fitted, local_models};
@@ -33,7 +33,8 @@ pub(super) fn optimise(
     let cell = in_millimetres(proportions, cover, *gap);
     let mesh = BistableMesh::new(&cover.mesh);
     let start = stage1(cover, layouts);
-    let neck = LEAST_WIDTH_IN_GAPS * job.fabrication.profile.hinge_gap();
+    // Pieces become narrower than the map asks: half as much again.
+    let neck = 1.5 * LEAST_NECK_IN_GAPS * job.fabrication.profile.hinge_gap();
     check(&cell, &asked(&cover.mesh, &start.closed_corners, &start.open_corners), neck).map_err(Box::new)?;
     let cells = Cells::Stretched(cell.stretches());
     // Second differences fall with the square of the cells' size: fairness is to resist the whole sheet alike.

@@ -21,6 +21,7 @@ use crate::job::{Grid, Job, Kind, Opening, Shape};
 use crate::kirigami::bistable::grid::cover_cells;
 use crate::kirigami::control_mesh::{Goal, Goals, Layout, Layouts, LinearMap, Target};
 use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis};
+use crate::kirigami::design::State;
 use crate::kirigami::levels::{COARSEST, Level};
 use crate::solver;
 
@@ -299,7 +300,7 @@ fn variable(job: &Job, size: PieceSize, open: TargetMesh) -> Result<Begun, Pipel
 /// fully open and a further turn closes them again.
 pub(super) const MOST_OPENING: f64 = 0.985 * std::f64::consts::SQRT_2;
 
-/// A grid of squares over a closed sheet that opens to `open_area`.
+/// A grid of squares, or of bistable cells, over a closed sheet that opens to `open_area`.
 fn sheet_grid(
     job: &Job,
     outline: &[Point2],
@@ -308,6 +309,9 @@ fn sheet_grid(
     gap: f64,
     open_area: f64,
 ) -> Result<Cover, CoverError> {
+    if let Kind::Bistable(cell) = &job.pattern.kind {
+        return cover_cells(outline, first, size, cell, gap, job.pattern.boundary, State::Closed);
+    }
     let mut cover = cover(outline, first, size, [1.0; 2], 0.0, job.pattern.boundary)?;
     let side = cover.cell.open[0];
     let sheet = cover.mesh.pieces.len() as f64 * side * side;
@@ -329,7 +333,9 @@ fn lay(
         Kind::RotatingRectangles => {
             cover(outline, first, size, job.pattern.stretches, gap, job.pattern.boundary)
         }
-        Kind::Bistable(cell) => cover_cells(outline, first, size, cell, gap, job.pattern.boundary),
+        Kind::Bistable(cell) => {
+            cover_cells(outline, first, size, cell, gap, job.pattern.boundary, State::Open)
+        }
     }
 }
 

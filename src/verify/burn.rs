@@ -25,7 +25,7 @@ use super::fault::{Check, Fault};
 use super::grooves::{FLAT, Grooves};
 use super::machine_file::MachineFile;
 use crate::fabrication::layout::{CutKind, CutPath};
-use crate::fabrication::outline::{Contour, area, contour_box};
+use crate::fabrication::outline::{Contour, area, contour_box, inner_point as clear_point};
 use crate::fabrication::states::sheet_vertices;
 use crate::geometry::union_find::UnionFind;
 
@@ -63,9 +63,9 @@ pub(super) fn check(
         .par_iter()
         .map(|piece| {
             let vertices = sheet_vertices(wanted.design, piece);
-            let count = vertices.len() as f64;
-            let sum = vertices.iter().fold([0.0; 2], |[x, y], v| [x + v.x / count, y + v.y / count]);
-            let middle = Point::new(sum[0], sum[1]);
+            let polygon: Vec<[f64; 2]> = vertices.iter().map(|v| [v.x, v.y]).collect();
+            let [x, y] = clear_point(&polygon, kerf);
+            let middle = Point::new(x, y);
             let burned = grooves.nearest(middle).is_none_or(|(distance, _)| distance <= 0.5 * kerf);
             let reason = match (outside.around(middle), windows.around(middle)) {
                 (None, _) => "its middle is outside of the border",

@@ -19,18 +19,21 @@ use super::machine_file::MachineFile;
 use crate::fabrication::layout::CutKind;
 use crate::fabrication::states::sheet_vertices;
 use crate::fabrication::web::nearest_on_segment;
-use crate::kirigami::design::State;
+use crate::kirigami::design::{PatternKind, State};
 
 /// Largest distance between a cut and the piece's side along which it runs, on an open sheet, millimetres.
 const DEVIATION: f64 = 0.02;
 /// The same on a closed sheet, in distances of the two hinges at a corner: slits that bend at their corners are led
-/// straight past both hinges, which moves them by less than that.
+/// straight past both hinges, which moves them by less than that. Windows of an expanded bistable sheet are so wide beside a
+/// hinge that their ends cut along the pieces' sides, by as much.
 const BEND: f64 = 0.5;
 
 /// Largest distance between a cut and the line where it should run, millimetres.
 pub(super) fn limit(wanted: Wanted) -> f64 {
+    let wide = wanted.design.pattern == PatternKind::Bistable;
     match wanted.design.sheet_state {
         Some(State::Closed) => BEND * wanted.profile.hinge_gap(),
+        _ if wide => BEND * wanted.profile.hinge_gap(),
         _ => DEVIATION,
     }
 }

@@ -230,15 +230,18 @@ def check_ligaments(hinges, grooves, tolerance, report):
     report.figures.update({key: round(value, 6) for key, value in worst.items()})
 
 
-def inner_point(polygon):
-    """The centroid; of a piece like a hook, which does not contain it, another point inside."""
-    return polygon.centroid if polygon.contains(polygon.centroid) else polygon.representative_point()
+def inner_point(polygon, clear):
+    """The centroid; of a piece like a hook, which does not have it well inside, another point that is."""
+    inside = polygon.buffer(-clear)
+    if inside.is_empty or inside.contains(polygon.centroid):
+        return polygon.centroid
+    return inside.representative_point()
 
 
-def check_pieces(design, hinges, body, report):
+def check_pieces(design, hinges, body, clear, report):
     state = design.get("sheet_state") or "closed"
     pieces = design["pieces"]
-    centres = [inner_point(shapely.Polygon([v[:2] for v in piece[state]])) for piece in pieces]
+    centres = [inner_point(shapely.Polygon([v[:2] for v in piece[state]]), clear) for piece in pieces]
     shapely.prepare(body)
     for index in np.flatnonzero(~shapely.contains(body, np.array(centres))):
         report.fail("piece", f"{index}: middle ({centres[index].x:.3f}, {centres[index].y:.3f}) is not in the body")
@@ -281,7 +284,7 @@ def run(args, report):
     body = burn(paths, grooves, border, report) if border is not None else None
     check_ligaments(hinge_report["hinges"], grooves, args.tolerance, report)
     if body is not None:
-        check_pieces(design, hinge_report["hinges"], body, report)
+        check_pieces(design, hinge_report["hinges"], body, kerf, report)
     return None
 
 

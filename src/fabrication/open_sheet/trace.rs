@@ -11,6 +11,8 @@ use crate::profile::Profile;
 
 /// A side that climbs less steeply than this from the ligament's axis never leaves it.
 const LEAST_CLIMB: f64 = 0.05;
+/// Shorter arcs are left out, millimetres: verification allows none below 0.01 mm.
+const SHORTEST_ARC: f64 = 0.011;
 /// Lower walls are left out, millimetres: the root's own rounding covers them.
 const LEAST_WALL: f64 = 0.01;
 
@@ -181,7 +183,8 @@ fn rounded(corners: &[Corner]) -> (Vec<PathVertex>, Vec<usize>) {
     for (i, corner) in corners.iter().enumerate() {
         let (cut, turn) = tangent(corners, i);
         let towards = |other: usize| (corners[other % count].point - corner.point).normalize();
-        if cut > LEAST_WALL * 0.1 {
+        // The arc's chord; machines stutter over shorter ones, and a sharp corner is as good.
+        if 2.0 * cut * (0.5 * turn).cos() > SHORTEST_ARC {
             let point = corner.point + cut * towards(i + count - 1);
             vertices.push(PathVertex { point, bulge: (0.25 * turn).tan() });
             starts.push(vertices.len());

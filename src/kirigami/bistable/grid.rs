@@ -5,10 +5,11 @@ use super::fit::fitted;
 use super::mesh::BistableMesh;
 use crate::geometry::{Point2, Point3, Vector2};
 use crate::kirigami::cover::{Boundary, Cover, CoverError, PieceSize, cover, grid_axis};
+use crate::kirigami::design::State;
 
 /// Lays cells of these proportions over an outline, counter-clockwise; `first` is the direction that the grid's first axis
-/// should come nearest to, and a size in millimetres is the mean of the cell's sides A and B. Expanded cells fill the
-/// outline.
+/// should come nearest to, and a size in millimetres is the mean of the cell's sides A and B. Cells in the given state
+/// fill the outline.
 ///
 /// # Errors
 /// Those of [`cover()`]; slits that miss their edges because hinges need a `gap`.
@@ -19,13 +20,16 @@ pub fn cover_cells(
     proportions: &BistableCell,
     gap: f64,
     boundary: Option<Boundary>,
+    state: State,
 ) -> Result<Cover, CoverError> {
     let axis = grid_axis(outline, first);
-    let expanded = proportions.expanded();
-    // Seen through this factor across the axis, expanded cells are squares.
-    let squeeze = expanded[0] / expanded[1];
+    let (filling, stretches) = match state {
+        State::Open => (proportions.expanded(), proportions.stretches()),
+        State::Closed => (proportions.cell, [1.0; 2]),
+    };
+    // Seen through this factor across the axis, the cells are squares.
+    let squeeze = filling[0] / filling[1];
     let squeezed: Vec<Point2> = outline.iter().map(|p| across(p, &axis, squeeze)).collect();
-    let stretches = proportions.stretches();
     let size = match size {
         PieceSize::Edge(mean) => {
             let sides = |b: f64| 1.0 / stretches[0] + b / stretches[1];
@@ -39,6 +43,10 @@ pub fn cover_cells(
     }
     cover.cell.open[1] /= squeeze;
     cover.cell.closed[1] /= squeeze;
+    if state == State::Closed {
+        let stretches = proportions.stretches();
+        cover.cell.open = [0, 1].map(|i| cover.cell.closed[i] * stretches[i]);
+    }
     let cell = in_millimetres(proportions, &cover, gap);
     let misses = cell.misses();
     if !misses.is_empty() || cell.rectangle.iter().any(|&side| side <= LEAST_RECTANGLE * gap) {
@@ -101,7 +109,7 @@ mod tests {
             let outline = corners.map(|[x, y]| nalgebra::Rotation2::new(turn) * Point2::new(x, y));
             let first = Vector2::new(f64::cos(turn), f64::sin(turn));
             for size in [PieceSize::Counts([6, 4]), PieceSize::Edge(25.0 * 0.9)] {
-                let cover = cover_cells(&outline, &first, size, &cell, 0.5, None).unwrap();
+                let cover = cover_cells(&outline, &first, size, &cell, 0.5, None, State::Open).unwrap();
                 assert_eq!(cover.mesh.pieces.len(), 24);
                 for (found, expected) in cover.cell.open.into_iter().zip([a, b]) {
                     assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
@@ -122,7 +130,7 @@ mod tests {
             |side: f64| [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]].map(|[x, y]| Point2::new(x, y));
         let lay = |mean: f64| {
             let outline = square(6.0 * mean * cell.stretches()[0]);
-            cover_cells(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), &cell, 1.5, None)
+            cover_cells(&outline, &Vector2::x(), PieceSize::Counts([6, 6]), &cell, 1.5, None, State::Open)
         };
         let Err(CoverError::CellTooSmall { least, .. }) = lay(8.0) else { panic!("8 mm are too small") };
         assert!(lay(0.99 * least[0]).is_err() && lay(1.01 * least[0]).is_ok());
