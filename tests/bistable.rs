@@ -100,7 +100,7 @@ fn a_flat_nylon_sheet_snaps_to_a_larger_flat_one() {
     assert_eq!(longer.status, 1, "no such profile");
     let text =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/nylon-6-5mm.toml"));
-    let changed = text.unwrap().replace("shape = \"notch\"", "shape = \"notch\"\nextra_length_mm = 1.0");
+    let changed = text.unwrap().replace("extra_length_mm = 0.0", "extra_length_mm = 1.0");
     std::fs::write(out.join("longer.toml"), changed).unwrap();
     let longer = run(&out, ["snap", "design.json", "-p", "longer.toml", "-o", "longer.json"]);
     assert_eq!(longer.status, 0, "{longer:?}");

@@ -146,7 +146,9 @@ impl PipelineError {
                     | Defect::OneSided { .. }
             ),
             Self::Flatten { source, .. } => matches!(source, FlattenError::Degenerate),
-            Self::Cover(source) => !matches!(source, CoverError::GapTooWide { .. }),
+            Self::Cover(source) => {
+                !matches!(source, CoverError::GapTooWide { .. } | CoverError::CellTooSmall { .. })
+            }
             Self::Stretch { .. }
             | Self::TooSmall { .. }
             | Self::Folded { .. }
