@@ -271,7 +271,7 @@ const DAMAGES: [Damage; 38] = [
     (|f| remove(f, "version"), "has no \"version\"", true),
     (|f| f["units"] = json!("inch"), "units are \"inch\"; a design holds \"mm\"", true),
     (|f| remove(f, "units"), "missing field `units`", true),
-    (|f| f["pattern"] = json!("bistable"), "pattern \"bistable\" is not known to this version", true),
+    (|f| f["pattern"] = json!("auxetic"), "pattern \"auxetic\" is not known to this version", true),
     (|f| f["sheet_state"] = json!("half"), "sheet state \"half\" does not exist", true),
     (|f| remove(f, "sheet_state"), "missing field `sheet_state`", true),
     (|f| remove(f, "gap_mm"), "holds no sheet corners (no \"gap_mm\")", true),
@@ -564,7 +564,7 @@ fn csv_and_json_say_the_same() {
     let found: Value = serde_json::from_slice(&output.stdout)
         .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
     assert_eq!((&found["faults"], &found["rows"]), (&json!([]), &json!(60)));
-    assert_eq!(found["header"].as_array().unwrap().len(), 22);
+    assert_eq!(found["header"].as_array().unwrap().len(), 25);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! Nothing here trusts the optimiser: all figures come from the coordinates of the design.
 
 use super::control_mesh::{Goal, Goals, Target};
-use super::design::{Design, State};
+use super::design::{Design, PatternKind, Piece, State};
 use super::filled::{closed_surface, open_surface};
 use super::guides::OpenState;
 use crate::geometry::closest::ClosestPoints;
@@ -123,8 +123,6 @@ pub fn measure(design: &Design, goals: &Goals, asked_edge: f64, stretch_ratio: f
     let fits: Vec<(State, Fit)> = states
         .filter_map(|(state, surface)| Some((state, fit(design, state, surface, goals.of(state))?)))
         .collect();
-    // Whatever is not a number must show.
-    let worse = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
     let largest = |figure: fn(&Fit) -> f64| fits.iter().map(|(_, fit)| figure(fit)).fold(0.0, worse);
     let held = |figure: fn(&Fit) -> f64| {
         fits.iter().filter(|(_, fit)| fit.held).map(|(_, fit)| figure(fit)).fold(0.0, worse)
@@ -146,6 +144,11 @@ pub fn measure(design: &Design, goals: &Goals, asked_edge: f64, stretch_ratio: f
         stretch_ratio,
         open_state: None,
     }
+}
+
+/// The larger of two figures. Whatever is not a number must show.
+fn worse(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
 }
 
 /// How a state, its slits or holes filled, fits its target. Nothing where it has none.
@@ -214,7 +217,7 @@ impl Quality {
             ),
             (
                 "the largest gap between the pattern and the target's outline",
-                self.coverage_max.max(self.boundary_max) / cell,
+                worse(self.coverage_max, self.boundary_max) / cell,
                 limits.boundary_cells,
                 " pieces",
                 COVER,
@@ -244,7 +247,8 @@ pub fn coverage(pattern: TriMesh, target: &Target) -> f64 {
     samples.map(|p| pattern.distance(&p)).fold(0.0, f64::max)
 }
 
-/// Largest distance between two closed vertices at a corner along the mean normal of the pieces around it.
+/// Largest distance between two closed hinge points of a corner along the mean normal of the pieces around it; on a
+/// bistable sheet between any two vertices there.
 fn closed_step(design: &Design) -> f64 {
     let mut normals = vec![Vector3::zeros(); design.corners.len()];
     for piece in &design.pieces {
@@ -252,13 +256,18 @@ fn closed_step(design: &Design) -> f64 {
     }
     // Least and largest height at each corner.
     let mut heights = vec![(f64::INFINITY, f64::NEG_INFINITY); design.corners.len()];
-    for piece in &design.pieces {
-        for (&corner, point) in piece.corners.iter().zip(&piece.closed) {
-            let normal = normals[corner].try_normalize(0.0).unwrap_or_default();
-            let height = (point - design.corners[corner]).dot(&normal);
-            let (low, high) = heights[corner];
-            heights[corner] = (low.min(height), high.max(height));
-        }
+    let mut add = |piece: &Piece, vertex: usize| {
+        let corner = piece.corners[vertex];
+        let normal = normals[corner].try_normalize(0.0).unwrap_or_default();
+        let height = (piece.closed[vertex] - design.corners[corner]).dot(&normal);
+        let (low, high) = heights[corner];
+        heights[corner] = (low.min(height), high.max(height));
+    };
+    if design.pattern == PatternKind::Bistable {
+        // Pieces that pass a T-junction or meet at a crossing lie in planes of their own.
+        design.pieces.iter().for_each(|piece| (0..piece.corners.len()).for_each(|vertex| add(piece, vertex)));
+    } else {
+        design.hinges.iter().for_each(|hinge| add(&design.pieces[hinge.pieces[0]], hinge.vertices[0]));
     }
     heights.iter().map(|(low, high)| high - low).filter(|step| step.is_finite()).fold(0.0, f64::max)
 }

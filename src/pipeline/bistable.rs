@@ -35,7 +35,7 @@ pub(super) fn optimise(
     let start = stage1(cover, layouts);
     // Pieces become narrower than the map asks: half as much again.
     let neck = 1.5 * LEAST_NECK_IN_GAPS * job.fabrication.profile.hinge_gap();
-    check(&cell, &asked(&cover.mesh, &start.closed_corners, &start.open_corners), neck).map_err(Box::new)?;
+    check(&cell, &asked(&cover.mesh, &start.closed_corners, &start.open_corners), neck)?;
     let cells = Cells::Stretched(cell.stretches());
     // Second differences fall with the square of the cells' size: fairness is to resist the whole sheet alike.
     let fair = job.solver.stage2.fair * cover.mesh.pieces.len() as f64 / FAIR_CELLS;

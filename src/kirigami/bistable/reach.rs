@@ -71,7 +71,7 @@ const MOST_SHARE: f64 = 0.02;
 ///
 /// # Errors
 /// More than a few cells that would have to shrink, or to grow by more than any rectangle allows.
-pub fn check(model: &BistableCell, asked: &[Asked], neck: f64) -> Result<(), OutOfReach> {
+pub fn check(model: &BistableCell, asked: &[Asked], neck: f64) -> Result<(), Box<OutOfReach>> {
     let possible = |asked: &Asked, factor: f64| {
         let stretches = asked.stretches.map(|m| m * factor);
         BistableCell::with_stretches(asked.cell, stretches, model.gap, neck).is_some()
@@ -87,7 +87,12 @@ pub fn check(model: &BistableCell, asked: &[Asked], neck: f64) -> Result<(), Out
     let most =
         too_much.max_by(|p, q| product(p).total_cmp(&product(q))).map(|asked| (asked.stretches, asked.at));
     let (value, at) = least.unwrap_or((f64::NAN, Point3::origin()));
-    Err(OutOfReach { share, least: (value, at), most, proposal: proposal(model, asked, neck, possible) })
+    Err(Box::new(OutOfReach {
+        share,
+        least: (value, at),
+        most,
+        proposal: proposal(model, asked, neck, possible),
+    }))
 }
 
 fn product(asked: &Asked) -> f64 {
