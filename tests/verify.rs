@@ -17,7 +17,7 @@ use kirimorph::output::dxf::{self, DxfVersion};
 use kirimorph::output::svg;
 use kirimorph::pipeline::{self, Clock, Progress};
 use kirimorph::profile::Profile;
-use kirimorph::verify::{Check, Fault, Files, Verified, Wanted, hash_comment, verify};
+use kirimorph::verify::{Check, Fault, Files, ONE_PART, Verified, Wanted, hash_comment, verify};
 use kurbo::{Point, Vec2};
 use program::{Run, made, run};
 
@@ -59,7 +59,8 @@ impl Sample {
     }
 
     fn verify(&self, dxf: &[u8], svg: &[u8]) -> Verified {
-        let wanted = Wanted { design: &self.sheet.design, profile: &self.profile, hash: HASH };
+        let wanted =
+            Wanted { design: &self.sheet.design, profile: &self.profile, hash: HASH, copies: &ONE_PART };
         verify(Files { dxf, svg }, wanted).unwrap()
     }
 
@@ -357,7 +358,8 @@ fn what_is_no_drawing_cannot_be_read() {
     let layout = &CLOSED.sheet.layout;
     let dxf = CLOSED.dxf(layout, DxfVersion::R2000, HASH);
     let svg = CLOSED.svg(layout, HASH);
-    let wanted = Wanted { design: &CLOSED.sheet.design, profile: &CLOSED.profile, hash: HASH };
+    let wanted =
+        Wanted { design: &CLOSED.sheet.design, profile: &CLOSED.profile, hash: HASH, copies: &ONE_PART };
     let reason = |dxf: &[u8], svg: &[u8]| verify(Files { dxf, svg }, wanted).unwrap_err().to_string();
     for bad in [&dxf[..dxf.len() / 2], b"", b"\x89PNG\r\n\x1a\n", b"solid x\nendsolid x\n"] {
         assert!(reason(bad, &svg).starts_with("cut.dxf"), "{}", reason(bad, &svg));

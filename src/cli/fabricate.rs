@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
-use super::results::Results;
+use super::results::{Results, plan};
 use super::{Failure, events, interrupt, print};
+use crate::fabrication::plan::{CutOptions, CutPlan};
 use crate::fabrication::product::Product;
 use crate::kirigami::quality::{Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
@@ -42,6 +43,7 @@ pub fn run(
         .run("fabrication", |_| lay_out(&design, &profile).map(Product::Sheet))
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(product.hinges(), allow_failing)?;
+    let plan = plan(&product, &profile, &CutOptions::default(), &mut clock)?;
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let origin = origin(&bytes, &file, &product);
     let quality = &origin.quality;
@@ -51,6 +53,7 @@ pub fn run(
         target: &origin.target,
         hashes: &origin.hashes,
         product: &product,
+        plan: plan.as_ref(),
         quality,
         stages: &origin.stages,
         profile: &profile,
@@ -60,9 +63,9 @@ pub fn run(
     results.leave(folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&product, quality, folder));
+        events::tell(&event(&product, plan.as_ref(), quality, folder));
     } else if !reporting.quiet {
-        print(&summary(&origin.job, &product, &figures, folder));
+        print(&summary(&origin.job, &product, plan.as_ref(), &figures, folder));
     }
     Ok(())
 }
@@ -119,7 +122,7 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn event(product: &Product, quality: &Quality, folder: &Path) -> serde_json::Value {
+fn event(product: &Product, plan: Option<&CutPlan>, quality: &Quality, folder: &Path) -> serde_json::Value {
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
     serde_json::json!({
@@ -132,10 +135,17 @@ fn event(product: &Product, quality: &Quality, folder: &Path) -> serde_json::Val
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
         "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
         "figures": figures,
+        "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
     })
 }
 
-fn summary(name: &str, product: &Product, figures: &[(String, String)], folder: &Path) -> String {
+fn summary(
+    name: &str,
+    product: &Product,
+    plan: Option<&CutPlan>,
+    figures: &[(String, String)],
+    folder: &Path,
+) -> String {
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let mut text = format!("{name}: laid out\n");
     for (label, value) in figures {
@@ -143,6 +153,9 @@ fn summary(name: &str, product: &Product, figures: &[(String, String)], folder: 
     }
     if let Some(summary) = hinge_report::summary(product.hinges()) {
         text += &format!("  {summary}\n");
+    }
+    if let Some(plan) = plan {
+        text += &format!("  {}\n", plan.report);
     }
     text + &format!("Files in {}\n", folder.display())
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, file_names, no_cut_file};
+use super::results::{Results, file_names, no_cut_file, plan};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
+use crate::fabrication::plan::CutPlan;
 use crate::fabrication::product::Product;
 use crate::job::{Job, read_job};
 use crate::kirigami::design::State;
@@ -43,12 +44,14 @@ pub fn run(
     clock.memory = if optimisation.ignore_memory { None } else { memory::free() };
     let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
     refuse_failing(made.product.hinges(), allow_failing)?;
+    let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     Results {
         name: &name,
         target: &input.target_name(),
         hashes: &source_hashes(&job, job_file),
         product: &made.product,
+        plan: plan.as_ref(),
         quality: &made.quality,
         stages: &made.stages,
         profile: &job.fabrication.profile,
@@ -58,15 +61,15 @@ pub fn run(
     .leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, &input, &folder));
+        events::tell(&result_event(&made, plan.as_ref(), &input, &folder));
     } else if !reporting.quiet {
-        print(&summary(&made, &input, &folder, unused_partial));
+        print(&summary(&made, plan.as_ref(), &input, &folder, unused_partial));
     }
     Ok(())
 }
 
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(made: &Made, input: &Input, folder: &Path) -> serde_json::Value {
+fn result_event(made: &Made, plan: Option<&CutPlan>, input: &Input, folder: &Path) -> serde_json::Value {
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
@@ -83,6 +86,7 @@ fn result_event(made: &Made, input: &Input, folder: &Path) -> serde_json::Value 
         "closed": design_json::fit_object(&made.quality, State::Closed),
         "open": design_json::fit_object(&made.quality, State::Open),
         "cut_file": matches!(product, Product::Sheet(_)),
+        "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
         "remark": remark(made, input),
     })
 }
@@ -164,7 +168,13 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn summary(made: &Made, input: &Input, folder: &Path, unused_partial: bool) -> String {
+fn summary(
+    made: &Made,
+    plan: Option<&CutPlan>,
+    input: &Input,
+    folder: &Path,
+    unused_partial: bool,
+) -> String {
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let hinges = hinge_report::summary(made.product.hinges());
@@ -176,6 +186,9 @@ fn summary(made: &Made, input: &Input, folder: &Path, unused_partial: bool) -> S
     }
     if let Some(summary) = hinges {
         text += &format!("  {summary}\n");
+    }
+    if let Some(plan) = plan {
+        text += &format!("  {}\n", plan.report);
     }
     if unused_partial {
         text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";

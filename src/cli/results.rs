@@ -8,6 +8,7 @@ use std::path::Path;
 use super::Failure;
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::Verdict;
+use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
@@ -59,6 +60,8 @@ pub struct Results<'a> {
     pub hashes: &'a BTreeMap<String, String>,
     /// The checked sheet, or the pieces where neither state is flat.
     pub product: &'a Product,
+    /// How the sheet is cut, where there is one.
+    pub plan: Option<&'a CutPlan>,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
     /// What the solver did.
@@ -90,8 +93,9 @@ impl Results<'_> {
                 Ok(out)
             })
             .map_err(refused)?;
-        if let Product::Sheet(sheet) = self.product {
-            let faults = clock.run("verify", |_| self.verify(sheet, &out, allow_failing)).map_err(refused)?;
+        if let (Product::Sheet(sheet), Some(plan)) = (self.product, self.plan) {
+            let faults =
+                clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
             if !faults.is_empty() {
                 return Err(Failure::NotMakeable(format!(
                     "the machine files are not what the design asks for, so none was left:\n{}This should not happen: \
@@ -111,12 +115,14 @@ impl Results<'_> {
     fn verify(
         &self,
         sheet: &Fabrication,
+        plan: &CutPlan,
         out: &OutputFolder,
         allow_failing: bool,
     ) -> Result<Vec<Fault>, WriteError> {
         let [design, dxf, svg] = ["design.json", "cut.dxf", "cut.svg"].map(|name| out.read(name));
         let hash = fingerprint(&design?);
-        let wanted = Wanted { design: &sheet.design, profile: self.profile, hash: &hash };
+        let wanted =
+            Wanted { design: &sheet.design, profile: self.profile, hash: &hash, copies: &plan.report.copies };
         let mut faults = verify::verify(Files { dxf: &dxf?, svg: &svg? }, wanted)?.faults;
         let known = |fault: &Fault| fault.hinge.is_some_and(|id| sheet.hinges[id].verdict == Verdict::Fail);
         faults.retain(|fault| !(allow_failing && known(fault)));
@@ -136,26 +142,32 @@ impl Results<'_> {
             provenance: Provenance { job: self.name, target: self.target, hashes: self.hashes },
         };
         out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
-        out.write::<WriteError>("hinges.json", |file| Ok(hinge_report::write_json(hinges, profile, file)?))?;
+        out.write::<WriteError>("hinges.json", |file| {
+            Ok(hinge_report::write_json(hinges, profile, self.plan.map(|plan| &plan.report), file)?)
+        })?;
         out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
-        match product {
-            Product::Sheet(sheet) => self.write_sheet(sheet, out),
-            Product::Assembly(assembly) => self.write_assembly(assembly, out),
+        match (product, self.plan) {
+            (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
+            (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
+            (Product::Assembly(assembly), _) => self.write_assembly(assembly, out),
         }
     }
 
     /// The cut files and the page that shows them.
-    fn write_sheet(&self, fabrication: &Fabrication, out: &OutputFolder) -> Result<(), WriteError> {
+    fn write_sheet(
+        &self,
+        fabrication: &Fabrication,
+        plan: &CutPlan,
+        out: &OutputFolder,
+    ) -> Result<(), WriteError> {
         let profile = self.profile;
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
             format!("millimetres; kerf {} mm already applied: cut on the line", profile.laser.kerf),
             verify::hash_comment(&fingerprint(&out.read("design.json")?)),
         ];
-        out.write::<WriteError>("cut.dxf", |file| {
-            Ok(dxf::write(&fabrication.layout, self.dxf, &comments, file)?)
-        })?;
-        out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&fabrication.layout, &comments, file)?))?;
+        out.write::<WriteError>("cut.dxf", |file| Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?))?;
+        out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
         let preview = Preview {
             fabrication,
             title: self.name,
@@ -183,6 +195,21 @@ impl Results<'_> {
         };
         out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
     }
+}
+
+/// How a sheet is cut; `None` where there is no sheet.
+///
+/// # Errors
+/// What the sheet has no room for.
+pub fn plan(
+    product: &Product,
+    profile: &Profile,
+    options: &CutOptions,
+    clock: &mut Clock,
+) -> Result<Option<CutPlan>, Failure> {
+    let Product::Sheet(sheet) = product else { return Ok(None) };
+    let plan = clock.run("plan", |_| cut_plan(sheet, profile, options));
+    plan.map(Some).map_err(|error| Failure::NotMakeable(error.to_string()))
 }
 
 /// The names of the files that are written.

@@ -16,6 +16,10 @@ pub mod cuts;
 
 pub mod layout;
 
+pub mod order;
+
+pub mod plan;
+
 pub mod placement;
 
 pub mod web;

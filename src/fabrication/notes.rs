@@ -15,13 +15,14 @@ const SPACE: f64 = 2.0;
 const LETTER_WIDTH: f64 = 0.9;
 
 /// The notes of a part whose burned box is `part`: above it or else to its right, within the sheet. Lines that
-/// have no room outside the part are left out.
-pub fn notes(profile: &Profile, part: Rect) -> Vec<Note> {
+/// have no room outside the part are left out. `passes`: how often the beam follows each cut.
+pub fn notes(profile: &Profile, part: Rect, passes: usize) -> Vec<Note> {
     let sheet = &profile.sheet;
+    let times = if passes == 1 { String::new() } else { format!(", {passes} times") };
     let lines = [
         (LETTER, format!("{}: {}, {} mm thick", profile.name, profile.material.name, sheet.thickness)),
         (LETTER, format!("sheet {} x {} mm, millimetres", sheet.width, sheet.height)),
-        (LETTER, format!("kerf {} mm already applied: cut on the line", profile.laser.kerf)),
+        (LETTER, format!("kerf {} mm already applied: cut on the line{times}", profile.laser.kerf)),
         (SCALE_MARK, "I = 10 mm".to_string()),
     ];
     let width_of = |(height, text): &(f64, String)| height * LETTER_WIDTH * text.chars().count() as f64;

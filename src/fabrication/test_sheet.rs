@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge, PatternKind, Piece, State};
-use crate::profile::{Laser, Ligament, Material, Profile, Sheet};
+use crate::profile::{Laser, Ligament, Machine, Material, Profile, Sheet};
 
 /// A lattice sheet.
 #[derive(Debug, Clone, Copy)]
@@ -185,6 +185,7 @@ pub fn profile() -> Profile {
         },
         laser: Laser { kerf: 0.05, min_web: 0.35, cutting_speed: 10.0 },
         ligament: Ligament { width: 0.5, min_length: 0.5, max_length: 2.0, root_compliance: 1.2 },
+        machine: Some(Machine { rapid_speed: 500.0, pierce_time: 0.1, hourly_rate: None }),
     }
 }
 

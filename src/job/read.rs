@@ -7,6 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::bistable::{bistable, only_bistable};
+use super::cut::cut_options;
 use super::guide::{RawGuide, guides};
 use super::solver::{RawSolver, solver};
 use super::{
@@ -35,7 +36,7 @@ const STRETCH_TOLERANCE: f64 = 1.0e-3;
 const THIS_VERSION: &str = "this version makes rotating rectangles and bistable sheets, laser-cut";
 
 /// Keys that the job format foresees and this version does not make.
-const NOT_BUILT: [&str; 3] = ["fabrication.sheet_state", "fabrication.copies", "fabrication.machine"];
+const NOT_BUILT: [&str; 2] = ["fabrication.sheet_state", "fabrication.machine"];
 
 /// Two numbers; a list, because a list that is too long fits an array of two without a word.
 type Pair<T> = Spanned<Vec<Spanned<T>>>;
@@ -89,12 +90,15 @@ pub(super) struct RawPattern {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawFabrication {
+pub(super) struct RawFabrication {
     profile: Spanned<String>,
     sheet_mm: Option<Pair<f64>>,
     kerf_mm: Option<Spanned<f64>>,
     process: Option<Spanned<String>>,
     dxf: Option<Spanned<String>>,
+    pub copies: Option<Spanned<i64>>,
+    pub spacing_mm: Option<Spanned<f64>>,
+    pub passes: Option<Spanned<i64>>,
 }
 
 /// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
@@ -326,7 +330,8 @@ fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Resu
     let mut profile = load_profile(source, &raw.profile, folder)?;
     override_kerf(source, raw, &mut profile)?;
     override_sheet(source, raw, &mut profile)?;
-    Ok(Fabrication { profile, dxf: dxf.unwrap_or_default() })
+    let cut = cut_options(source, raw, &profile)?;
+    Ok(Fabrication { profile, dxf: dxf.unwrap_or_default(), cut })
 }
 
 fn load_profile(source: &TomlSource, name: &Spanned<String>, folder: &Path) -> Result<Profile, JobError> {

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::machine::{RawMachine, machine};
 use super::{Laser, Ligament, Material, Profile, Sheet};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -81,6 +82,7 @@ struct RawProfile {
     material: RawMaterial,
     laser: RawLaser,
     ligament: RawLigament,
+    machine: Option<RawMachine>,
 }
 
 #[derive(Deserialize)]
@@ -149,6 +151,7 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
         material: material(&source, &raw.material)?,
         laser: laser(&source, &raw.laser)?,
         ligament: ligament(&source, &raw.ligament)?,
+        machine: raw.machine.as_ref().map(|raw| machine(&source, raw)).transpose()?,
     };
     check_relations(&source, &raw, &profile)?;
     Ok(profile)
