@@ -190,7 +190,7 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 20] = [
+pub const DEFAULTS: [(&str, &str); 17] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
@@ -199,9 +199,6 @@ pub const DEFAULTS: [(&str, &str); 20] = [
     ("pattern.boundary", "\"glide\" where the outline has four corners, else \"trimmed\""),
     ("pattern.gap_mm", "the profile's ligament width plus kerf"),
     ("pattern.opening", "\"full\""),
-    ("pattern.A, pattern.B", "1.0 (bistable)"),
-    ("pattern.a, pattern.b", "0.42 (bistable)"),
-    ("pattern.phi_deg", "18.0 (bistable)"),
     ("fabrication.sheet_mm", "the profile's sheet"),
     ("fabrication.kerf_mm", "the profile's kerf"),
     ("fabrication.process", "\"laser\""),
@@ -209,16 +206,23 @@ pub const DEFAULTS: [(&str, &str); 20] = [
     ("fabrication.copies", "1"),
     ("fabrication.spacing_mm", "5.0"),
     ("fabrication.passes", "1"),
-    (
-        "solver.stage-2",
-        "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }; of bistable sheets geom = \
-         0.01, fair = 0.01 for each 144 cells",
-    ),
+    ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
     (
         "solver.stage-3",
         "{ prox = 0.6, boundary = 0.05, corners = 0.6, fair = 0.001, opening = 0.001, rectangles = 0.001, \
-         sides = 0.0001, widths = 0.1 }; of bistable sheets { prox = 0.3, boundary = 0.1, corners = 0.3, shape = 1.0 }",
+         sides = 0.0001, widths = 0.1 }",
     ),
+];
+
+/// Those of bistable patterns that differ or come on top. Fairness is meant for 144 cells, and grows with their number.
+pub const BISTABLE_DEFAULTS: [(&str, &str); 7] = [
+    ("pattern.A", "1.0"),
+    ("pattern.B", "1.0"),
+    ("pattern.a", "0.42"),
+    ("pattern.b", "0.42"),
+    ("pattern.phi_deg", "18.0"),
+    ("solver.stage-2", "{ orth = 1.0, geom = 0.01, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.01 }"),
+    ("solver.stage-3", "{ prox = 0.3, boundary = 0.1, corners = 0.3, shape = 1.0 }"),
 ];
 
 /// A job file could not be used.

@@ -212,9 +212,9 @@ mod tests {
         let (sin, cos) = cell.phi.sin_cos();
         assert!((cell.neck() - 0.5 * (cos - sin - 0.42) / cos).abs() < 1e-14);
         assert!(square(0.05).neck() < cell.neck());
-        let wide = BistableCell::with_stretches([10.0; 2], [1.3; 2], 0.3, 0.8).unwrap();
-        assert!(wide.neck() > 0.8 && (wide.stretches()[0] - 1.3).abs() < 1e-12);
-        assert!(BistableCell::with_stretches([10.0; 2], [1.3; 2], 0.3, 1.2).is_none());
+        let wide = BistableCell::with_stretches([10.0; 2], [1.3; 2], 0.3, 0.4).unwrap();
+        assert!(wide.neck() > 0.4 && (wide.stretches()[0] - 1.3).abs() < 1e-12);
+        assert!(BistableCell::with_stretches([10.0; 2], [1.3; 2], 0.3, 0.6).is_none());
     }
 
     #[test]
