@@ -5,7 +5,7 @@ use std::fmt;
 use kurbo::Vec2;
 
 use super::CutOptions;
-use crate::fabrication::layout::{CutKind, CutPath};
+use crate::fabrication::layout::CutPath;
 use crate::fabrication::order::{Travel, travel};
 use crate::profile::{Machine, Profile};
 
@@ -82,12 +82,6 @@ impl CutPath {
     pub fn length(&self) -> f64 {
         self.segments(FLAT).iter().map(|[a, b]| a.distance(*b)).sum()
     }
-}
-
-/// Number of parts in a layout: each has one border.
-#[cfg(test)]
-pub(super) fn parts(paths: &[CutPath]) -> usize {
-    paths.iter().filter(|path| path.kind == CutKind::Border).count()
 }
 
 /// Hours, minutes or seconds, as a person would say.
