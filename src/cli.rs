@@ -4,6 +4,7 @@
 //! files that are not what the design asks for.
 
 mod check;
+mod coupon;
 mod design;
 mod events;
 mod export;
@@ -117,6 +118,15 @@ enum Command {
     Import(import::Arguments),
     /// Write a design for other programs.
     Export(export::Arguments),
+    /// Make a test piece that tells the kerf and the ligaments that your machine really makes.
+    Coupon {
+        /// A profile's name or file.
+        #[arg(short, long)]
+        profile: String,
+        /// Folder for the files [default: out/coupon-PROFILE].
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+    },
     /// List the profiles: sheet, material, laser and ligament.
     Profiles,
 }
@@ -140,9 +150,12 @@ impl Command {
             Self::Make { reporting, .. }
             | Self::Design { reporting, .. }
             | Self::Fabricate { reporting, .. } => reporting.json,
-            Self::Check { .. } | Self::Verify { .. } | Self::Import(_) | Self::Export(_) | Self::Profiles => {
-                false
-            }
+            Self::Check { .. }
+            | Self::Verify { .. }
+            | Self::Coupon { .. }
+            | Self::Import(_)
+            | Self::Export(_)
+            | Self::Profiles => false,
         }
     }
 }
@@ -198,6 +211,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             fabricate::run(&design, &profile, &output, allow_failing_hinges, &reporting)
         }
         Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
+        Command::Coupon { profile, output } => coupon::run(&profile, output),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Profiles => list_profiles(),

@@ -190,7 +190,7 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 17] = [
+pub const DEFAULTS: [(&str, &str); 20] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
@@ -206,6 +206,9 @@ pub const DEFAULTS: [(&str, &str); 17] = [
     ("fabrication.copies", "1"),
     ("fabrication.spacing_mm", "5.0"),
     ("fabrication.passes", "1"),
+    ("fabrication.pierce", "\"slit-end\""),
+    ("fabrication.order", "\"travel\""),
+    ("fabrication.cool_s", "10.0; of order = \"heat\""),
     ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
     (
         "solver.stage-3",

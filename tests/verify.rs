@@ -487,3 +487,22 @@ fn copies_are_verified_each_and_their_faults_are_found() {
     }
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn other_piercing_and_order_pass_as_well() {
+    let folder = std::env::temp_dir().join(format!("kirimorph-pierce-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let job = program::job("open = \"dome.obj\"\nsize_mm = 100", "pieces = [8, 8]", program::STEEL);
+    std::fs::write(folder.join("dome.obj"), program::sample_dome()).unwrap();
+    for more in [
+        "pierce = \"mid-slit\"",
+        "order = \"heat\"",
+        "pierce = \"mid-slit\"\norder = \"heat\"\ncool_s = 30\npasses = 3",
+    ] {
+        std::fs::write(folder.join("job.toml"), format!("{job}{more}\n")).unwrap();
+        made(&folder, "job.toml", "out");
+        let verified = run(&folder, ["verify", "out"]);
+        assert_eq!(verified.status, 0, "{more}: {verified:?}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -232,6 +232,21 @@ pub enum FabricationError {
         /// Between burned edges.
         spacing: f64,
     },
+    /// The test coupon is larger than the sheet.
+    #[error(
+        "the coupon measures {width:.1} x {height:.1} mm, but the sheet leaves {room_x:.1} x {room_y:.1} mm between its \
+         margins: set the profile's sheet to a larger piece of the same stock"
+    )]
+    CouponTooLarge {
+        /// Size in x.
+        width: f64,
+        /// Size in y.
+        height: f64,
+        /// Room in x.
+        room_x: f64,
+        /// Room in y.
+        room_y: f64,
+    },
     /// Two cuts come too close.
     #[error(
         "only {web:.3} mm of material would stand between a {first} and a {second} cut at ({x:.2}, {y:.2}) mm, \

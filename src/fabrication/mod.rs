@@ -38,6 +38,8 @@ pub mod fabricate;
 
 pub mod product;
 
+pub mod coupon;
+
 pub mod error;
 
 #[cfg(test)]

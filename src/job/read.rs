@@ -99,6 +99,9 @@ pub(super) struct RawFabrication {
     pub copies: Option<Spanned<i64>>,
     pub spacing_mm: Option<Spanned<f64>>,
     pub passes: Option<Spanned<i64>>,
+    pub pierce: Option<Spanned<String>>,
+    pub order: Option<Spanned<String>>,
+    pub cool_s: Option<Spanned<f64>>,
 }
 
 /// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
@@ -384,7 +387,7 @@ fn not_built(source: &TomlSource, value: &Spanned<String>, allowed: &str) -> Tom
 }
 
 /// The meaning of one of a few words.
-fn choice<T: Copy>(
+pub(super) fn choice<T: Copy>(
     source: &TomlSource,
     value: Option<&Spanned<String>>,
     words: &[(&str, T)],

@@ -1,6 +1,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::*;
+use crate::fabrication::plan::{CutOrder, Pierce};
 use crate::geometry::Point3;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
@@ -28,6 +29,9 @@ dxf = "r12"
 copies = 2
 spacing_mm = 3
 passes = 4
+pierce = "mid-slit"
+order = "heat"
+cool_s = 7.5
 
 [solver]
 stage-2 = { fair = 0.01, prox = 0 }
@@ -88,7 +92,16 @@ fn a_job_that_says_everything() {
     let solver = Solver::default();
     assert_eq!(job.solver.stage2, stage2::Weights { fair: 0.01, prox: 0.0, ..solver.stage2 });
     assert_eq!(job.solver.stage3, stage3::Weights { widths: 0.5, sides: 2e-4, ..solver.stage3 });
-    assert_eq!(job.fabrication.cut, CutOptions { copies: 2, spacing: 3.0, passes: 4 });
+    assert_eq!(
+        job.fabrication.cut,
+        CutOptions {
+            copies: 2,
+            spacing: 3.0,
+            passes: 4,
+            pierce: Pierce::MidSlit,
+            order: CutOrder::Heat(7.5),
+        }
+    );
     let profile = &job.fabrication.profile;
     assert_eq!([profile.sheet.width, profile.sheet.height, profile.laser.kerf], [600.0, 800.5, 0.06]);
 }
@@ -353,7 +366,7 @@ fn each_key_refuses_impossible_values_by_name() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 7 * 19);
+    assert_eq!(tried, 7 * 22);
 }
 
 /// The job as one of bistable sheets, with more lines in its pattern.

@@ -39,6 +39,8 @@ pub enum Check {
     Piece,
     /// The copies lie where the report says.
     Copies,
+    /// The features of a test coupon have their sizes.
+    Size,
 }
 
 impl Check {
@@ -59,6 +61,7 @@ impl Check {
             Self::End => "make the files again: a cut was moved, lengthened or lost",
             Self::Body => "make the files again: a cut was moved, added or closed",
             Self::Ligament => "make the files again, or correct the profile's kerf if that is what differs",
+            Self::Size => "make the files again: a cut was moved or lost",
             Self::Copies => "make the files again, and change none by hand",
             Self::Piece => "make the files again: a cut was moved, scaled, added or lost",
         }

@@ -21,6 +21,8 @@ mod contacts;
 
 mod copies;
 
+mod coupon;
+
 mod fault;
 
 mod grooves;
@@ -49,6 +51,7 @@ use contacts::Contacts;
 use grooves::Grooves;
 use machine_file::MachineFile;
 
+pub use coupon::verify_coupon;
 pub use fault::{Check, Fault};
 pub use ligaments::{CENTRE_TOLERANCE, WIDTH_TOLERANCE};
 pub use machine_file::{ReadError, hash_comment};

@@ -7,6 +7,8 @@
 
 mod bound;
 
+mod heat;
+
 mod nearest;
 
 mod tour;
@@ -25,6 +27,7 @@ use super::web::nearest_on_segment;
 use tour::{Frame, tour};
 
 pub use bound::spanning_tree;
+pub use heat::{Pace, Rest, cooled, rest};
 
 /// Where the head of the machine waits: the stock's lower left corner.
 pub const HOME: Point = Point::ORIGIN;

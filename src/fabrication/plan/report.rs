@@ -4,9 +4,9 @@ use std::fmt;
 
 use kurbo::Vec2;
 
-use super::CutOptions;
+use super::{CutOptions, CutOrder, Pierce};
 use crate::fabrication::layout::CutPath;
-use crate::fabrication::order::{Travel, travel};
+use crate::fabrication::order::{Rest, Travel, travel};
 use crate::profile::{Machine, Profile};
 
 /// Chords stay so near to arcs where lengths are measured, millimetres.
@@ -54,10 +54,22 @@ pub struct CutReport {
     pub travel: Travel,
     /// The time; `None` where the profile does not tell the machine's speeds.
     pub times: Option<Times>,
+    /// Where slits are pierced.
+    pub pierce: Pierce,
+    /// What the order saves.
+    pub order: CutOrder,
+    /// The rest of hinges between cuts.
+    pub rest: Rest,
 }
 
 impl CutReport {
-    pub(super) fn new(paths: &[CutPath], copies: Vec<Vec2>, profile: &Profile, options: &CutOptions) -> Self {
+    pub(super) fn new(
+        paths: &[CutPath],
+        copies: Vec<Vec2>,
+        rest: Rest,
+        profile: &Profile,
+        options: &CutOptions,
+    ) -> Self {
         let travel = travel(paths);
         let length: f64 = paths.iter().map(CutPath::length).sum();
         let again = (options.passes - 1) as f64;
@@ -73,7 +85,8 @@ impl CutReport {
                 hourly_rate,
             });
         let (kerf, passes, cuts) = (profile.laser.kerf, options.passes, paths.len());
-        CutReport { copies, kerf, passes, cuts, length, travel, times }
+        let CutOptions { pierce, order, .. } = *options;
+        CutReport { copies, kerf, passes, cuts, length, travel, times, pierce, order, rest }
     }
 }
 
@@ -114,6 +127,14 @@ impl fmt::Display for CutReport {
             1e-3 * length,
             1e-3 * bound,
         )?;
+        if let CutOrder::Heat(cool) = self.order {
+            let Rest { least, early } = self.rest;
+            write!(
+                f,
+                "; {early} begin before a hinge has rested {cool} s, the least is {}",
+                duration(least)
+            )?;
+        }
         if let Some(times) = &self.times {
             write!(
                 f,

@@ -2,6 +2,7 @@ use super::copies::{moved, offsets};
 use super::*;
 use crate::fabrication::fabricate::{fabricate, ligament_lengths};
 use crate::fabrication::layout::CutKind;
+use crate::fabrication::order::Rest;
 use crate::fabrication::test_sheet::{TestSheet, profile};
 use crate::profile::Sheet;
 
@@ -31,7 +32,7 @@ fn copies_fill_rows_from_the_lower_left_and_no_more_than_fit() {
 #[test]
 fn copies_are_cut_inside_first_and_all_borders_last() {
     let (one, profile) = (made(), profile());
-    let options = CutOptions { copies: 3, spacing: 4.0, passes: 1 };
+    let options = CutOptions { copies: 3, spacing: 4.0, ..CutOptions::default() };
     let plan = cut_plan(&one, &profile, &options).unwrap();
     let (paths, alone) = (&plan.layout.paths, &one.layout.paths);
     assert_eq!(
@@ -85,4 +86,77 @@ fn a_moved_cut_keeps_its_arcs() {
     let path = &made().layout.paths[0];
     let back = moved(&moved(path, Vec2::new(3.0, -4.0)), Vec2::new(-3.0, 4.0));
     assert!(back.vertices.iter().zip(&path.vertices).all(|(a, b)| a.point.distance(b.point) < 1e-12));
+}
+
+#[test]
+fn slits_pierced_in_the_middle_are_two_cuts_that_begin_far_from_ligaments() {
+    let (one, profile) = (made(), profile());
+    let plan =
+        cut_plan(&one, &profile, &CutOptions { pierce: Pierce::MidSlit, ..CutOptions::default() }).unwrap();
+    let of = |paths: &[crate::fabrication::layout::CutPath]| -> (usize, f64) {
+        let slits: Vec<_> = paths.iter().filter(|path| path.kind == CutKind::Slit).collect();
+        (slits.len(), slits.iter().map(|path| path.length()).sum())
+    };
+    let ((halves, after), (slits, before)) = (of(&plan.layout.paths), of(&one.layout.paths));
+    assert!(halves == 2 * slits && (after - before).abs() < 1e-9);
+    let halves: Vec<_> = plan.layout.paths.iter().filter(|path| path.kind == CutKind::Slit).collect();
+    let points = hinge_points(&one.design);
+    for pair in halves.chunks_exact(2) {
+        let [begin, other] = [0, 1].map(|i| pair[i].vertices[0].point);
+        assert_eq!(begin, other);
+        assert!(points.iter().all(|point| point.distance(begin) > 3.0), "{begin}");
+    }
+}
+
+#[test]
+fn hinges_rest_as_long_as_asked_where_there_is_enough_else_to_cut() {
+    let sheet = TestSheet::rectangle([12, 12], [10.0, 10.0], profile().hinge_gap());
+    let design = sheet.design(sheet.full_angle());
+    let one = fabricate(&design, &profile(), &ligament_lengths(&design, &profile()).unwrap()).unwrap();
+    let plan =
+        |order: CutOrder| cut_plan(&one, &profile(), &CutOptions { order, ..CutOptions::default() }).unwrap();
+    let [travel, heat] = [CutOrder::Travel, CutOrder::Heat(5.0)].map(plan);
+    // A bar and its slit follow each other at once.
+    let cuts = travel.layout.paths.len();
+    let points = hinge_points(&one.design);
+    let hasty = rest(&travel.layout.paths, &points, &pace(&profile()), 5.0);
+    assert!(hasty.least < 0.1 && hasty.early > cuts / 2, "{hasty:?}");
+    // Only the last cuts have nothing else to wait with.
+    let Rest { least, early } = heat.report.rest;
+    assert!(least > hasty.least && early < cuts / 20, "{least} {early} of {cuts}");
+    assert_eq!(travel.layout.paths.len(), heat.layout.paths.len());
+    let sum = |plan: &CutPlan| plan.layout.paths.iter().map(|path| path.length()).sum::<f64>();
+    assert!((sum(&travel) - sum(&heat)).abs() < 1e-6);
+    assert_eq!(heat.layout.paths.last().unwrap().kind, CutKind::Border);
+    assert!(heat.report.travel.length > travel.report.travel.length);
+}
+
+/// `cargo test --release --lib plan -- --ignored --nocapture`: prices in docs/laser.md.
+#[test]
+#[ignore = "prints figures"]
+fn prices_of_piercing_and_heat() {
+    let sheet = TestSheet::rectangle([20, 20], [10.0, 10.0], profile().hinge_gap());
+    let design = sheet.design(sheet.full_angle());
+    let one = fabricate(&design, &profile(), &ligament_lengths(&design, &profile()).unwrap()).unwrap();
+    let mid = Pierce::MidSlit;
+    for (pierce, order) in [
+        (Pierce::SlitEnd, CutOrder::Travel),
+        (mid, CutOrder::Travel),
+        (Pierce::SlitEnd, CutOrder::Heat(2.0)),
+        (Pierce::SlitEnd, CutOrder::Heat(5.0)),
+        (Pierce::SlitEnd, CutOrder::Heat(10.0)),
+        (mid, CutOrder::Heat(10.0)),
+    ] {
+        let begin = std::time::Instant::now();
+        let plan =
+            cut_plan(&one, &profile(), &CutOptions { pierce, order, ..CutOptions::default() }).unwrap();
+        let CutReport { cuts, travel, rest, times, .. } = plan.report;
+        let (length, total) = (travel.length, times.unwrap().total());
+        println!(
+            "| {pierce:?} {order:?} | {cuts} | {length:.0} | {:.2} | {} | {total:.0} | {:.2} s",
+            rest.least,
+            rest.early,
+            begin.elapsed().as_secs_f64()
+        );
+    }
 }

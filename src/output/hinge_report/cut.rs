@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::fabrication::plan::{CutReport, Times};
+use crate::fabrication::plan::{CutOrder, CutReport, Pierce, Times};
 
 /// The block.
 pub fn cut_object(report: &CutReport) -> Value {
@@ -18,6 +18,15 @@ pub fn cut_object(report: &CutReport) -> Value {
     json!({
         "kerf_applied": true,
         "copies_mm": copies,
+        "pierce": match report.pierce {
+            Pierce::SlitEnd => "slit-end",
+            Pierce::MidSlit => "mid-slit",
+        },
+        "order": match report.order {
+            CutOrder::Travel => "travel",
+            CutOrder::Heat(_) => "heat",
+        },
+        "hinge_rest_s": report.rest.least.is_finite().then_some(report.rest.least),
         "passes": report.passes,
         "cuts": report.cuts,
         "length_mm": report.length,
