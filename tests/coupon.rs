@@ -12,6 +12,9 @@ use kirimorph::profile::{self, Profile};
 use kirimorph::verify::{Check, Fault, Files, verify_coupon};
 use kurbo::Vec2;
 
+/// Name of a seeded fault, the check that must notice, and the change.
+type Seed = (&'static str, Check, fn(&mut CutLayout));
+
 fn profiles() -> Vec<Profile> {
     let names = ["steel-304-0.5mm", "nitrile-rubber-2mm"];
     names.map(|name| profile::load(name, Path::new(".")).unwrap()).into()
@@ -37,7 +40,7 @@ fn every_feature_has_its_size_and_faults_are_found() {
         let found = faults(&coupon, &coupon.layout, &wide);
         assert!(found.iter().filter(|fault| fault.check == Check::Size).count() >= 2 * 17, "{found:?}");
         // A hole moved on to another's place, a slit lost, a cut twice, a part beyond the margin.
-        let seeds: [(&str, Check, fn(&mut CutLayout)); 4] = [
+        let seeds: [Seed; 4] = [
             ("lost", Check::Size, |layout| _ = layout.paths.remove(2)),
             ("moved", Check::Size, |layout| {
                 let hole = layout.paths.iter().rposition(|path| path.kind == CutKind::Window).unwrap();

@@ -29,7 +29,6 @@ const PIECES: Limits = Limits::new(
 const STRETCH: Limits =
     Limits::new(0.8, 6.1, "", "1/m1 + 1/m2 = sqrt 2 leaves no fitting second stretch beyond that");
 const GAP: Limits = Limits::new(0.0, 100.0, "mm", "ligament width plus slit width; 0 is the paper's model");
-
 /// How far 1/m1 + 1/m2 may be from sqrt 2, relative: four typed digits fit.
 const STRETCH_TOLERANCE: f64 = 1.0e-3;
 

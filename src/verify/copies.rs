@@ -21,7 +21,7 @@ pub(super) fn each(
     measure: impl Fn(&MachineFile) -> (Figures, Vec<Fault>),
 ) -> Vec<Figures> {
     let first = file.paths.len() - copies.len();
-    let boxes: Vec<Rect> = file.paths[first..].iter().map(|path| box_of(path)).collect();
+    let boxes: Vec<Rect> = file.paths[first..].iter().map(box_of).collect();
     // The design's own copy is the lower left one.
     let own =
         boxes.iter().copied().min_by(|a, b| (a.y0 + a.x0).total_cmp(&(b.y0 + b.x0))).unwrap_or_default();

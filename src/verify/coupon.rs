@@ -53,8 +53,8 @@ fn measure(file: &MachineFile, features: &[Feature], profile: &Profile) -> Vec<F
             Measure::Hole => vec![span(x) + kerf, span(y) + kerf],
         };
         for size in sizes {
-            // NaN is a difference.
-            if !((size - feature.nominal).abs() <= SIZE_TOLERANCE) {
+            let off = (size - feature.nominal).abs();
+            if off > SIZE_TOLERANCE || off.is_nan() {
                 let says = format!(
                     "is {size:.4} mm wide when burned, nominal {:.4} mm, the limit is +- {SIZE_TOLERANCE} mm",
                     feature.nominal
