@@ -4,6 +4,7 @@
 //! files that are not what the design asks for.
 
 mod check;
+mod coupon;
 mod design;
 mod events;
 mod export;
@@ -123,6 +124,15 @@ enum Command {
     Export(export::Arguments),
     /// Follow a sheet between its states: energy, barrier, strain, and whether it is bistable.
     Snap(snap::Arguments),
+    /// Make a test piece that tells the kerf and the ligaments that your machine really makes.
+    Coupon {
+        /// A profile's name or file.
+        #[arg(short, long)]
+        profile: String,
+        /// Folder for the files [default: out/coupon-PROFILE].
+        #[arg(short, long)]
+        output: Option<PathBuf>,
+    },
     /// List the profiles: sheet, material, groove and ligament.
     Profiles,
 }
@@ -148,6 +158,7 @@ impl Command {
             | Self::Fabricate { reporting, .. } => reporting.json,
             Self::Check { .. }
             | Self::Verify { .. }
+            | Self::Coupon { .. }
             | Self::Import(_)
             | Self::Export(_)
             | Self::Snap(_)
@@ -207,6 +218,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             fabricate::run(&design, &profile, &output, allow_failing_hinges, &reporting)
         }
         Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
+        Command::Coupon { profile, output } => coupon::run(&profile, output),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Snap(arguments) => snap::run(&arguments),

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::fabrication::plan::CutOptions;
 use crate::kirigami::bistable::cell::BistableCell;
 use crate::kirigami::cover::{Boundary, PieceSize};
 pub use crate::kirigami::pattern::Opening;
@@ -18,6 +19,8 @@ use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
 
 mod bistable;
+
+mod cut;
 
 mod guide;
 
@@ -182,10 +185,12 @@ pub struct Fabrication {
     pub profile: Profile,
     /// The DXF flavour.
     pub dxf: DxfVersion,
+    /// How the sheet is cut.
+    pub cut: CutOptions,
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 14] = [
+pub const DEFAULTS: [(&str, &str); 20] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
@@ -198,6 +203,12 @@ pub const DEFAULTS: [(&str, &str); 14] = [
     ("fabrication.kerf_mm", "the profile's kerf"),
     ("fabrication.process", "the profile's process"),
     ("fabrication.dxf", "\"r2000\""),
+    ("fabrication.copies", "1"),
+    ("fabrication.spacing_mm", "5.0"),
+    ("fabrication.passes", "1"),
+    ("fabrication.pierce", "\"slit-end\""),
+    ("fabrication.order", "\"travel\""),
+    ("fabrication.cool_s", "10.0; of order = \"heat\""),
     ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
     (
         "solver.stage-3",

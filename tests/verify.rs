@@ -17,7 +17,7 @@ use kirimorph::output::dxf::{self, DxfVersion};
 use kirimorph::output::svg;
 use kirimorph::pipeline::{self, Clock, Progress};
 use kirimorph::profile::Profile;
-use kirimorph::verify::{Check, Fault, Files, Verified, Wanted, hash_comment, verify};
+use kirimorph::verify::{Check, Fault, Files, ONE_PART, Verified, Wanted, hash_comment, verify};
 use kurbo::{Point, Vec2};
 use program::{Run, made, run};
 
@@ -59,7 +59,8 @@ impl Sample {
     }
 
     fn verify(&self, dxf: &[u8], svg: &[u8]) -> Verified {
-        let wanted = Wanted { design: &self.sheet.design, profile: &self.profile, hash: HASH };
+        let wanted =
+            Wanted { design: &self.sheet.design, profile: &self.profile, hash: HASH, copies: &ONE_PART };
         verify(Files { dxf, svg }, wanted).unwrap()
     }
 
@@ -99,8 +100,12 @@ const CLOSED_SEEDS: [Seed; 21] = [
     ("first slit longer at its end", &[Check::Ligament], |layout, _| lengthen(layout, 0, 0.1, true)),
     // It begins at the border.
     ("first slit longer at its start", &[Check::End], |layout, _| lengthen(layout, 0, 0.1, false)),
-    ("inner slit longer at its end", &[Check::Ligament], |layout, _| lengthen(layout, 300, 0.1, true)),
-    ("inner slit longer at its start", &[Check::Ligament], |layout, _| lengthen(layout, 300, 0.1, false)),
+    ("inner slit longer at its end", &[Check::Ligament], |layout, _| {
+        lengthen(layout, inner_slit(layout), 0.1, true)
+    }),
+    ("inner slit longer at its start", &[Check::Ligament], |layout, _| {
+        lengthen(layout, inner_slit(layout), 0.1, false)
+    }),
     ("slit missing", &[Check::Piece], |layout, _| _ = layout.paths.remove(nth(layout, CutKind::Slit, 100))),
     ("bar missing", &[Check::Ligament], |layout, _| {
         _ = layout.paths.remove(nth(layout, CutKind::Relief, 100))
@@ -205,6 +210,17 @@ const OPEN_SEEDS: [Seed; 9] = [
 fn nth(layout: &CutLayout, kind: CutKind, n: usize) -> usize {
     let of_kind = layout.paths.iter().enumerate().filter(|(_, path)| path.kind == kind);
     of_kind.map(|(index, _)| index).nth(n).unwrap()
+}
+
+/// Number of a slit that has a relief bar at both ends.
+fn inner_slit(layout: &CutLayout) -> usize {
+    let of = |kind: CutKind| layout.paths.iter().filter(move |path| path.kind == kind);
+    let ends = |path: &CutPath| [path.vertices[0].point, path.vertices[path.vertices.len() - 1].point];
+    let middles: Vec<Point> = of(CutKind::Relief).map(ends).map(|[a, b]| a.midpoint(b)).collect();
+    let has_bars = |path: &CutPath| {
+        ends(path).iter().all(|end| middles.iter().any(|middle| middle.distance(*end) < 1e-6))
+    };
+    of(CutKind::Slit).position(has_bars).unwrap()
 }
 
 /// Lengthens the n-th slit at one end.
@@ -357,7 +373,8 @@ fn what_is_no_drawing_cannot_be_read() {
     let layout = &CLOSED.sheet.layout;
     let dxf = CLOSED.dxf(layout, DxfVersion::R2000, HASH);
     let svg = CLOSED.svg(layout, HASH);
-    let wanted = Wanted { design: &CLOSED.sheet.design, profile: &CLOSED.profile, hash: HASH };
+    let wanted =
+        Wanted { design: &CLOSED.sheet.design, profile: &CLOSED.profile, hash: HASH, copies: &ONE_PART };
     let reason = |dxf: &[u8], svg: &[u8]| verify(Files { dxf, svg }, wanted).unwrap_err().to_string();
     for bad in [&dxf[..dxf.len() / 2], b"", b"\x89PNG\r\n\x1a\n", b"solid x\nendsolid x\n"] {
         assert!(reason(bad, &svg).starts_with("cut.dxf"), "{}", reason(bad, &svg));
@@ -428,4 +445,64 @@ fn the_papers_model_without_a_gap_passes_and_tells_how_far_its_ligaments_are_off
         table.lines().any(|line| line.contains("off its hinge") && line.contains("0.2750 mm")),
         "{table}"
     );
+}
+
+#[test]
+fn copies_are_verified_each_and_their_faults_are_found() {
+    let folder = std::env::temp_dir().join(format!("kirimorph-copies-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let job = program::job("open = \"dome.obj\"\nsize_mm = 60", "pieces = [4, 4]", program::STEEL);
+    std::fs::write(folder.join("dome.obj"), program::sample_dome()).unwrap();
+    let with = |more: &str| std::fs::write(folder.join("job.toml"), format!("{job}{more}\n")).unwrap();
+    with("copies = 400");
+    program::refused(
+        &folder,
+        &["make", "job.toml", "-o", "many"],
+        2,
+        &["400 copies of", "do, ", "in each of"],
+    );
+    with("copies = 3\nspacing_mm = 2");
+    let out = made(&folder, "job.toml", "out");
+    let verified = run(&folder, ["verify", "out"]);
+    assert_eq!(verified.status, 0, "{verified:?}");
+    assert!(verified.stdout.contains("bodies                  3"), "{}", verified.stdout);
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("hinges.json")).unwrap()).unwrap();
+    assert_eq!(report["cut"]["copies_mm"].as_array().unwrap().len(), 3);
+    // One copy elsewhere than the report says; one more than there is.
+    for (from, to, says) in [
+        ("\"copies_mm\":[[0.0,0.0],[", "\"copies_mm\":[[0.0,0.0],[1", "lies in none of the copies"),
+        ("\"copies_mm\":[[0.0,0.0],", "\"copies_mm\":[[0.0,0.0],[200.0,200.0],", "there must be 4"),
+    ] {
+        let text = std::fs::read_to_string(out.join("hinges.json")).unwrap();
+        assert!(text.contains(from), "{text}");
+        let other = folder.join("other");
+        std::fs::create_dir_all(&other).unwrap();
+        for name in ["design.json", "cut.dxf", "cut.svg"] {
+            std::fs::copy(out.join(name), other.join(name)).unwrap();
+        }
+        std::fs::write(other.join("hinges.json"), text.replacen(from, to, 1)).unwrap();
+        let found = run(&folder, ["verify", "other"]);
+        assert!(found.status == 2 && found.stderr.contains(says), "{found:?}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn other_piercing_and_order_pass_as_well() {
+    let folder = std::env::temp_dir().join(format!("kirimorph-pierce-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let job = program::job("open = \"dome.obj\"\nsize_mm = 100", "pieces = [8, 8]", program::STEEL);
+    std::fs::write(folder.join("dome.obj"), program::sample_dome()).unwrap();
+    for more in [
+        "pierce = \"mid-slit\"",
+        "order = \"heat\"",
+        "pierce = \"mid-slit\"\norder = \"heat\"\ncool_s = 30\npasses = 3",
+    ] {
+        std::fs::write(folder.join("job.toml"), format!("{job}{more}\n")).unwrap();
+        made(&folder, "job.toml", "out");
+        let verified = run(&folder, ["verify", "out"]);
+        assert_eq!(verified.status, 0, "{more}: {verified:?}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, file_names};
+use super::results::{Results, file_names, plan};
 use super::{Failure, events, interrupt, print, solids};
+use crate::fabrication::plan::{CutOptions, CutPlan};
 use crate::fabrication::product::Product;
 use crate::kirigami::quality::{Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
@@ -44,6 +45,7 @@ pub fn run(
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(product.hinges(), allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&product, &profile))?;
+    let plan = plan(&product, &profile, &CutOptions::default(), &mut clock)?;
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let origin = origin(&bytes, &file, &product);
     let quality = &origin.quality;
@@ -55,6 +57,7 @@ pub fn run(
         product: &product,
         solids: thick.as_ref(),
         snap: None,
+        plan: plan.as_ref(),
         quality,
         stages: &origin.stages,
         profile: &profile,
@@ -64,9 +67,9 @@ pub fn run(
     results.leave(folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&product, thick.as_ref(), quality, folder));
+        events::tell(&event(&product, (thick.as_ref(), plan.as_ref()), quality, folder));
     } else if !reporting.quiet {
-        print(&summary(&origin.job, &product, thick.as_ref(), &figures, folder));
+        print(&summary(&origin.job, &product, (thick.as_ref(), plan.as_ref()), &figures, folder));
     }
     Ok(())
 }
@@ -125,7 +128,7 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
 
 fn event(
     product: &Product,
-    thick: Option<&ThickSheet>,
+    (thick, plan): (Option<&ThickSheet>, Option<&CutPlan>),
     quality: &Quality,
     folder: &Path,
 ) -> serde_json::Value {
@@ -142,13 +145,14 @@ fn event(
         "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
         "figures": figures,
         "solids": thick.map(solids::event),
+        "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
     })
 }
 
 fn summary(
     name: &str,
     product: &Product,
-    thick: Option<&ThickSheet>,
+    (thick, plan): (Option<&ThickSheet>, Option<&CutPlan>),
     figures: &[(String, String)],
     folder: &Path,
 ) -> String {
@@ -162,6 +166,9 @@ fn summary(
     }
     if let Some(thick) = thick {
         text += &solids::summary(thick);
+    }
+    if let Some(plan) = plan {
+        text += &format!("  {}\n", plan.report);
     }
     text + &format!("Files in {}\n", folder.display())
 }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, file_names, no_cut_file};
+use super::results::{Results, file_names, no_cut_file, plan};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print, solids};
+use crate::fabrication::plan::CutPlan;
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
 use crate::job::{Job, Kind, read_job};
@@ -47,6 +48,7 @@ pub fn run(
     let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
     refuse_failing(made.product.hinges(), allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&made.product, &job.fabrication.profile))?;
+    let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     let snap = snapping(&made, &job, &mut clock);
     Results {
@@ -56,6 +58,7 @@ pub fn run(
         product: &made.product,
         solids: thick.as_ref(),
         snap: snap.as_ref(),
+        plan: plan.as_ref(),
         quality: &made.quality,
         stages: &made.stages,
         profile: &job.fabrication.profile,
@@ -65,9 +68,15 @@ pub fn run(
     .leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, (thick.as_ref(), snap.as_ref()), &input, &folder));
+        events::tell(&result_event(&made, (thick.as_ref(), snap.as_ref(), plan.as_ref()), &input, &folder));
     } else if !reporting.quiet {
-        print(&summary(&made, (thick.as_ref(), snap.as_ref()), &input, &folder, unused_partial));
+        print(&summary(
+            &made,
+            (thick.as_ref(), snap.as_ref(), plan.as_ref()),
+            &input,
+            &folder,
+            unused_partial,
+        ));
     }
     Ok(())
 }
@@ -86,7 +95,7 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 /// The last event: figures under their names in design.json, and the files.
 fn result_event(
     made: &Made,
-    (thick, snap): (Option<&ThickSheet>, Option<&Snap>),
+    (thick, snap, plan): (Option<&ThickSheet>, Option<&Snap>, Option<&CutPlan>),
     input: &Input,
     folder: &Path,
 ) -> serde_json::Value {
@@ -108,6 +117,7 @@ fn result_event(
         "open": design_json::fit_object(&made.quality, State::Open),
         "cut_file": matches!(product, Product::Sheet(_)),
         "solids": thick.map(solids::event),
+        "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
         "remark": remark(made, input),
     })
 }
@@ -191,7 +201,7 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
 
 fn summary(
     made: &Made,
-    (thick, snap): (Option<&ThickSheet>, Option<&Snap>),
+    (thick, snap, plan): (Option<&ThickSheet>, Option<&Snap>, Option<&CutPlan>),
     input: &Input,
     folder: &Path,
     unused_partial: bool,
@@ -207,6 +217,9 @@ fn summary(
     }
     if let Some(summary) = hinges {
         text += &format!("  {summary}\n");
+    }
+    if let Some(plan) = plan {
+        text += &format!("  {}\n", plan.report);
     }
     if let Some(thick) = thick {
         text += &solids::summary(thick);

@@ -9,6 +9,7 @@ use super::Failure;
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::Verdict;
 use crate::fabrication::notes::applied_words;
+use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
@@ -68,6 +69,8 @@ pub struct Results<'a> {
     pub solids: Option<&'a ThickSheet>,
     /// How a bistable sheet snaps.
     pub snap: Option<&'a Snap>,
+    /// How the sheet is cut, where there is one.
+    pub plan: Option<&'a CutPlan>,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
     /// What the solver did.
@@ -99,8 +102,9 @@ impl Results<'_> {
                 Ok(out)
             })
             .map_err(refused)?;
-        if let Product::Sheet(sheet) = self.product {
-            let faults = clock.run("verify", |_| self.verify(sheet, &out, allow_failing)).map_err(refused)?;
+        if let (Product::Sheet(sheet), Some(plan)) = (self.product, self.plan) {
+            let faults =
+                clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
             if !faults.is_empty() {
                 return Err(Failure::NotMakeable(format!(
                     "the machine files are not what the design asks for, so none was left:\n{}This should not happen: \
@@ -120,12 +124,14 @@ impl Results<'_> {
     fn verify(
         &self,
         sheet: &Fabrication,
+        plan: &CutPlan,
         out: &OutputFolder,
         allow_failing: bool,
     ) -> Result<Vec<Fault>, WriteError> {
         let [design, dxf, svg] = ["design.json", "cut.dxf", "cut.svg"].map(|name| out.read(name));
         let hash = fingerprint(&design?);
-        let wanted = Wanted { design: &sheet.design, profile: self.profile, hash: &hash };
+        let wanted =
+            Wanted { design: &sheet.design, profile: self.profile, hash: &hash, copies: &plan.report.copies };
         let mut faults = verify::verify(Files { dxf: &dxf?, svg: &svg? }, wanted)?.faults;
         // What the hinge report tells of a hinge is no surprise: that it fails, or that its ligament stands off its point.
         let told = |id: usize| {
@@ -150,7 +156,9 @@ impl Results<'_> {
             provenance: Provenance { job: self.name, target: self.target, hashes: self.hashes },
         };
         out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
-        out.write::<WriteError>("hinges.json", |file| Ok(hinge_report::write_json(hinges, profile, file)?))?;
+        out.write::<WriteError>("hinges.json", |file| {
+            Ok(hinge_report::write_json(hinges, profile, self.plan.map(|plan| &plan.report), file)?)
+        })?;
         out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
         if let Some(snap) = self.snap {
             let [json, svg] = SNAP_FILES;
@@ -158,24 +166,28 @@ impl Results<'_> {
             out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
             out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
         }
-        match product {
-            Product::Sheet(sheet) => self.write_sheet(sheet, out),
-            Product::Assembly(assembly) => self.write_assembly(assembly, out),
+        match (product, self.plan) {
+            (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
+            (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
+            (Product::Assembly(assembly), _) => self.write_assembly(assembly, out),
         }
     }
 
     /// The cut files and the page that shows them.
-    fn write_sheet(&self, fabrication: &Fabrication, out: &OutputFolder) -> Result<(), WriteError> {
+    fn write_sheet(
+        &self,
+        fabrication: &Fabrication,
+        plan: &CutPlan,
+        out: &OutputFolder,
+    ) -> Result<(), WriteError> {
         let profile = self.profile;
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
             format!("millimetres; {}", applied_words(profile)),
             verify::hash_comment(&fingerprint(&out.read("design.json")?)),
         ];
-        out.write::<WriteError>("cut.dxf", |file| {
-            Ok(dxf::write(&fabrication.layout, self.dxf, &comments, file)?)
-        })?;
-        out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&fabrication.layout, &comments, file)?))?;
+        out.write::<WriteError>("cut.dxf", |file| Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?))?;
+        out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
         if let Some(solids) = self.solids {
             let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
             for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
@@ -209,6 +221,21 @@ impl Results<'_> {
         };
         out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
     }
+}
+
+/// How a sheet is cut; `None` where there is no sheet.
+///
+/// # Errors
+/// What the sheet has no room for.
+pub fn plan(
+    product: &Product,
+    profile: &Profile,
+    options: &CutOptions,
+    clock: &mut Clock,
+) -> Result<Option<CutPlan>, Failure> {
+    let Product::Sheet(sheet) = product else { return Ok(None) };
+    let plan = clock.run("plan", |_| cut_plan(sheet, profile, options));
+    plan.map(Some).map_err(|error| Failure::NotMakeable(error.to_string()))
 }
 
 /// The names of the files that are written.

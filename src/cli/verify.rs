@@ -3,13 +3,14 @@
 use std::fs;
 use std::path::Path;
 
+use kurbo::Vec2;
 use serde::Deserialize;
 
 use super::{Failure, print};
 use crate::output::design_json;
 use crate::pipeline::fingerprint;
 use crate::profile::{self, Profile};
-use crate::verify::{self, Files, Wanted};
+use crate::verify::{self, Files, ONE_PART, Wanted};
 
 /// How many faults of one check are printed, unless all are asked for.
 const SHOWN: usize = 10;
@@ -24,10 +25,10 @@ pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failur
         let says = "neither state of this design is flat, so it has no cut files to verify";
         return Err(Failure::BadInput(format!("{}: {says}", file.display())));
     }
-    let profile = applied_profile(folder, profile)?;
+    let (profile, copies) = applied(folder, profile)?;
     let [dxf, svg] = [read(&folder.join("cut.dxf"))?, read(&folder.join("cut.svg"))?];
     let hash = fingerprint(&bytes);
-    let wanted = Wanted { design: &design, profile: &profile, hash: &hash };
+    let wanted = Wanted { design: &design, profile: &profile, hash: &hash, copies: &copies };
     let verified = verify::verify(Files { dxf: &dxf, svg: &svg }, wanted)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
     if let Some(figures) = &verified.figures {
@@ -64,10 +65,17 @@ struct Applied {
     profile: String,
     kerf_mm: f64,
     sheet_mm: Option<[f64; 2]>,
+    cut: Option<AppliedCut>,
 }
 
-/// The profile, with the kerf and the stock that the files were made for.
-fn applied_profile(folder: &Path, name: Option<&str>) -> Result<Profile, Failure> {
+/// How the sheet is cut.
+#[derive(Deserialize)]
+struct AppliedCut {
+    copies_mm: Vec<[f64; 2]>,
+}
+
+/// The profile, with the kerf and the stock that the files were made for, and where the copies lie.
+fn applied(folder: &Path, name: Option<&str>) -> Result<(Profile, Vec<Vec2>), Failure> {
     let file = folder.join("hinges.json");
     let applied = match fs::read(&file) {
         Ok(bytes) => Some(serde_json::from_slice::<Applied>(&bytes).map_err(|error| {
@@ -83,7 +91,8 @@ fn applied_profile(folder: &Path, name: Option<&str>) -> Result<Profile, Failure
     let mut profile = profile::load(name, Path::new(".")).map_err(|error| {
         Failure::BadInput(format!("{error}; if it is a file of yours, name it with --profile"))
     })?;
-    if let Some(Applied { kerf_mm, sheet_mm, .. }) = applied {
+    let mut copies = ONE_PART.to_vec();
+    if let Some(Applied { kerf_mm, sheet_mm, cut, .. }) = applied {
         let [width, height] = sheet_mm.unwrap_or([profile.sheet.width, profile.sheet.height]);
         if ![kerf_mm, width, height].iter().all(|size| size.is_finite() && *size > 0.0) {
             let says = "kerf_mm and sheet_mm must be above 0; make the files again";
@@ -91,6 +100,13 @@ fn applied_profile(folder: &Path, name: Option<&str>) -> Result<Profile, Failure
         }
         profile.cut.kerf = kerf_mm;
         (profile.sheet.width, profile.sheet.height) = (width, height);
+        if let Some(cut) = cut {
+            copies = cut.copies_mm.into_iter().map(|[x, y]| Vec2::new(x, y)).collect();
+        }
+        if copies.is_empty() || !copies.iter().all(|by| by.is_finite()) {
+            let says = "cut.copies_mm must hold a place for every copy; make the files again";
+            return Err(Failure::BadInput(format!("{}: {says}", file.display())));
+        }
     }
-    Ok(profile)
+    Ok((profile, copies))
 }

@@ -211,6 +211,42 @@ pub enum FabricationError {
         /// The largest scale at which the part fits.
         scale: f64,
     },
+    /// More copies than the sheet has room for.
+    #[error(
+        "{copies} copies of {width:.2} x {height:.2} mm do not fit on the sheet with {spacing} mm between them: {fit} do, \
+         {columns} in each of {rows} rows; ask for fewer copies, less spacing_mm, or take a larger sheet"
+    )]
+    TooManyCopies {
+        /// Copies that were asked for.
+        copies: usize,
+        /// Copies that fit.
+        fit: usize,
+        /// Copies that fit beside each other.
+        columns: usize,
+        /// Rows that fit.
+        rows: usize,
+        /// A part's size in x, with its kerf.
+        width: f64,
+        /// A part's size in y, with its kerf.
+        height: f64,
+        /// Between burned edges.
+        spacing: f64,
+    },
+    /// The test coupon is larger than the sheet.
+    #[error(
+        "the coupon measures {width:.1} x {height:.1} mm, but the sheet leaves {room_x:.1} x {room_y:.1} mm between its \
+         margins: set the profile's sheet to a larger piece of the same stock"
+    )]
+    CouponTooLarge {
+        /// Size in x.
+        width: f64,
+        /// Size in y.
+        height: f64,
+        /// Room in x.
+        room_x: f64,
+        /// Room in y.
+        room_y: f64,
+    },
     /// Two cuts come too close.
     #[error(
         "only {web:.3} mm of material would stand between a {first} and a {second} cut at ({x:.2}, {y:.2}) mm, \

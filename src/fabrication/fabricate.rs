@@ -1,5 +1,7 @@
 //! From a design to a checked cut layout: the stages of fabrication, one after the other.
 
+use kurbo::Point;
+
 use super::cuts::bounding_box;
 use super::error::FabricationError;
 use super::hinge_table::{HingeRow, hinge_rows};
@@ -7,6 +9,7 @@ use super::layout::{CutLayout, CutPath};
 use super::ligament::MeasuredLigament;
 use super::mechanics::{LengthError, clearance_length, required_length};
 use super::notes::notes;
+use super::order::cutting_order;
 use super::outline::Contour;
 use super::placement::place_on_sheet;
 use super::{closed_sheet, open_sheet};
@@ -50,7 +53,7 @@ pub fn ligament_lengths(design: &Design, profile: &Profile) -> Result<Vec<f64>, 
 /// What the layouts of closed and of open sheets have in common: checked cuts and what is left between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaidOut {
-    /// The cuts in order.
+    /// The cuts, in no useful order.
     pub paths: Vec<CutPath>,
     /// One per hinge of the design, measured on the cuts.
     pub ligaments: Vec<MeasuredLigament>,
@@ -78,11 +81,22 @@ pub fn fabricate(
         None => return Err(FabricationError::NoFlatState),
     };
     let hinges = hinge_rows(&design, &laid.ligaments, profile);
-    Ok(Fabrication { layout: layout(laid.paths, profile), design, hinges, outlines: laid.outlines })
+    Ok(Fabrication { layout: layout(&laid.paths, &design, profile), design, hinges, outlines: laid.outlines })
 }
 
-fn layout(paths: Vec<CutPath>, profile: &Profile) -> CutLayout {
+/// The hinge points on the sheet.
+pub(super) fn hinge_points(design: &Design) -> Vec<Point> {
+    design.hinges.iter().map(|hinge| Point::new(hinge.point.x, hinge.point.y)).collect()
+}
+
+fn layout(paths: &[CutPath], design: &Design, profile: &Profile) -> CutLayout {
     let kerf = profile.cut.kerf;
+    let paths = cutting_order(paths, &hinge_points(design));
     let part = bounding_box(&paths).inset(0.5 * kerf);
-    CutLayout { sheet: [profile.sheet.width, profile.sheet.height], kerf, paths, notes: notes(profile, part) }
+    CutLayout {
+        sheet: [profile.sheet.width, profile.sheet.height],
+        kerf,
+        paths,
+        notes: notes(profile, part, 1),
+    }
 }

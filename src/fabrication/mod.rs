@@ -18,6 +18,10 @@ pub mod cuts;
 
 pub mod layout;
 
+pub mod order;
+
+pub mod plan;
+
 pub mod placement;
 
 pub mod web;
@@ -35,6 +39,8 @@ pub mod notes;
 pub mod fabricate;
 
 pub mod product;
+
+pub mod coupon;
 
 pub mod error;
 

@@ -24,13 +24,14 @@ pub fn applied_words(profile: &Profile) -> String {
 }
 
 /// The notes of a part whose burned box is `part`: above it or else to its right, within the sheet. Lines that
-/// have no room outside the part are left out.
-pub fn notes(profile: &Profile, part: Rect) -> Vec<Note> {
+/// have no room outside the part are left out. `passes`: how often the beam follows each cut.
+pub fn notes(profile: &Profile, part: Rect, passes: usize) -> Vec<Note> {
     let sheet = &profile.sheet;
+    let times = if passes == 1 { String::new() } else { format!(", {passes} times") };
     let lines = [
         (LETTER, format!("{}: {}, {} mm thick", profile.name, profile.material.name, sheet.thickness)),
         (LETTER, format!("sheet {} x {} mm, millimetres", sheet.width, sheet.height)),
-        (LETTER, applied_words(profile)),
+        (LETTER, applied_words(profile) + &times),
         (SCALE_MARK, "I = 10 mm".to_string()),
     ];
     let width_of = |(height, text): &(f64, String)| height * LETTER_WIDTH * text.chars().count() as f64;

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::bistable::{bistable, only_bistable};
+use super::cut::cut_options;
 use super::guide::{RawGuide, guides};
 use super::solver::{RawSolver, solver};
 use super::{
@@ -28,14 +29,13 @@ const PIECES: Limits = Limits::new(
 const STRETCH: Limits =
     Limits::new(0.8, 6.1, "", "1/m1 + 1/m2 = sqrt 2 leaves no fitting second stretch beyond that");
 const GAP: Limits = Limits::new(0.0, 100.0, "mm", "ligament width plus slit width; 0 is the paper's model");
-
 /// How far 1/m1 + 1/m2 may be from sqrt 2, relative: four typed digits fit.
 const STRETCH_TOLERANCE: f64 = 1.0e-3;
 
 const THIS_VERSION: &str = "this version makes rotating rectangles and bistable sheets, laser-cut";
 
 /// Keys that the job format foresees and this version does not make.
-const NOT_BUILT: [&str; 3] = ["fabrication.sheet_state", "fabrication.copies", "fabrication.machine"];
+const NOT_BUILT: [&str; 2] = ["fabrication.sheet_state", "fabrication.machine"];
 
 /// Two numbers; a list, because a list that is too long fits an array of two without a word.
 type Pair<T> = Spanned<Vec<Spanned<T>>>;
@@ -89,12 +89,18 @@ pub(super) struct RawPattern {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawFabrication {
+pub(super) struct RawFabrication {
     profile: Spanned<String>,
     sheet_mm: Option<Pair<f64>>,
     kerf_mm: Option<Spanned<f64>>,
     process: Option<Spanned<String>>,
     dxf: Option<Spanned<String>>,
+    pub copies: Option<Spanned<i64>>,
+    pub spacing_mm: Option<Spanned<f64>>,
+    pub passes: Option<Spanned<i64>>,
+    pub pierce: Option<Spanned<String>>,
+    pub order: Option<Spanned<String>>,
+    pub cool_s: Option<Spanned<f64>>,
 }
 
 /// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
@@ -324,7 +330,8 @@ fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Resu
     check_process(source, raw, &profile)?;
     override_kerf(source, raw, &mut profile)?;
     override_sheet(source, raw, &mut profile)?;
-    Ok(Fabrication { profile, dxf: dxf.unwrap_or_default() })
+    let cut = cut_options(source, raw, &profile)?;
+    Ok(Fabrication { profile, dxf: dxf.unwrap_or_default(), cut })
 }
 
 fn load_profile(source: &TomlSource, name: &Spanned<String>, folder: &Path) -> Result<Profile, JobError> {
@@ -391,7 +398,7 @@ fn override_sheet(source: &TomlSource, raw: &RawFabrication, profile: &mut Profi
 }
 
 /// The meaning of one of a few words.
-fn choice<T: Copy>(
+pub(super) fn choice<T: Copy>(
     source: &TomlSource,
     value: Option<&Spanned<String>>,
     words: &[(&str, T)],

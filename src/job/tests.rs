@@ -1,6 +1,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::*;
+use crate::fabrication::plan::{CutOrder, Pierce};
 use crate::geometry::Point3;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
@@ -25,6 +26,12 @@ sheet_mm = [600, 800.5]
 kerf_mm = 0.06
 process = "laser"
 dxf = "r12"
+copies = 2
+spacing_mm = 3
+passes = 4
+pierce = "mid-slit"
+order = "heat"
+cool_s = 7.5
 
 [solver]
 stage-2 = { fair = 0.01, prox = 0 }
@@ -85,6 +92,16 @@ fn a_job_that_says_everything() {
     let solver = Solver::default();
     assert_eq!(job.solver.stage2, stage2::Weights { fair: 0.01, prox: 0.0, ..solver.stage2 });
     assert_eq!(job.solver.stage3, stage3::Weights { widths: 0.5, sides: 2e-4, ..solver.stage3 });
+    assert_eq!(
+        job.fabrication.cut,
+        CutOptions {
+            copies: 2,
+            spacing: 3.0,
+            passes: 4,
+            pierce: Pierce::MidSlit,
+            order: CutOrder::Heat(7.5),
+        }
+    );
     let profile = &job.fabrication.profile;
     assert_eq!([profile.sheet.width, profile.sheet.height, profile.cut.kerf], [600.0, 800.5, 0.06]);
 }
@@ -107,7 +124,7 @@ fn keys_left_out_have_their_documented_defaults() {
     let profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
     assert_eq!(job.pattern.gap, profile.hinge_gap());
     assert_eq!(job.solver, Solver::default());
-    assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000 });
+    assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000, cut: CutOptions::default() });
     // No other key may be left out; pieces has piece_mm in its place.
     for key in ["open", "closed", "kind", "profile", "pieces"] {
         let found = folder.diagnostic(&with(key, ""));
@@ -275,7 +292,7 @@ fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
     let lines = [
         ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),
-        ("dxf", "copies = 2", "fabrication.copies"),
+        ("dxf", "machine = \"x\"", "fabrication.machine"),
     ];
     for (key, line, named) in lines {
         let found = folder.diagnostic(&with(key, line));
@@ -348,7 +365,7 @@ fn each_key_refuses_impossible_values_by_name() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 7 * 16);
+    assert_eq!(tried, 7 * 22);
 }
 
 /// The job as one of bistable sheets, with more lines in its pattern.

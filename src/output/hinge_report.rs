@@ -6,6 +6,7 @@
 //! known (a torque above yield, the distance to another cut where there is none) is null in JSON, empty in CSV.
 
 mod csv;
+mod cut;
 mod table;
 
 use std::io::{self, BufWriter, Write};
@@ -14,9 +15,11 @@ use serde::Serialize;
 
 use super::json_rows::write_rows;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
+use crate::fabrication::plan::CutReport;
 use crate::profile::Profile;
 
 pub use csv::write_csv;
+pub use cut::cut_object;
 pub use table::{Extreme, Summary, summary, table};
 
 /// The version of the format that is written.
@@ -40,11 +43,16 @@ pub enum WriteHingesError {
     Io(#[from] io::Error),
 }
 
-/// Writes `hinges.json`.
+/// Writes `hinges.json`; `cut`: what cutting takes, where there is a sheet to cut.
 ///
 /// # Errors
 /// A number that is not finite, before anything is written, or the error of `out`.
-pub fn write_json<W: Write>(rows: &[HingeRow], profile: &Profile, out: W) -> Result<(), WriteHingesError> {
+pub fn write_json<W: Write>(
+    rows: &[HingeRow],
+    profile: &Profile,
+    cut: Option<&CutReport>,
+    out: W,
+) -> Result<(), WriteHingesError> {
     check(rows)?;
     let name = serde_json::to_string(&profile.name).map_err(io::Error::from)?;
     let mut out = BufWriter::new(out);
@@ -53,6 +61,8 @@ pub fn write_json<W: Write>(rows: &[HingeRow], profile: &Profile, out: W) -> Res
     writeln!(out, "  \"ligament_width_mm\": {:?},", profile.ligament.width)?;
     writeln!(out, "  \"sheet_thickness_mm\": {:?},", profile.sheet.thickness)?;
     writeln!(out, "  \"sheet_mm\": [{:?}, {:?}],", profile.sheet.width, profile.sheet.height)?;
+    let cut = serde_json::to_string(&cut.map(cut_object)).map_err(io::Error::from)?;
+    writeln!(out, "  \"cut\": {cut},")?;
     write_rows(&mut out, "  ", "hinges", rows.iter().map(JsonRow::new))?;
     writeln!(out, "\n}}")?;
     Ok(out.flush()?)

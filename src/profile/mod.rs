@@ -6,9 +6,11 @@
 //! one of the same name.
 
 mod load;
+mod machine;
 mod read;
 
 pub use load::{ProfileError, load, names};
+pub use machine::Machine;
 pub use read::parse;
 pub(crate) use read::{KERF, SHEET_SIDE, TOOL_RADIUS};
 
@@ -27,6 +29,8 @@ pub struct Profile {
     pub cut: Cut,
     /// The piece of material that is left at a hinge.
     pub ligament: Ligament,
+    /// Speeds and rates for estimates; `None` where the file has none.
+    pub machine: Option<Machine>,
 }
 
 /// The stock that is cut.

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::machine::{RawMachine, machine};
 use super::{Beam, Cut, Ligament, Material, Process, Profile, Shape, Sheet};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -98,6 +99,7 @@ struct RawProfile {
     laser: Option<RawLaser>,
     tool: Option<RawTool>,
     ligament: RawLigament,
+    machine: Option<RawMachine>,
 }
 
 #[derive(Deserialize)]
@@ -184,6 +186,7 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
         cut: cut(&source, &raw, process, &sheet)?,
         sheet,
         ligament: ligament(&source, &raw.ligament)?,
+        machine: raw.machine.as_ref().map(|raw| machine(&source, raw)).transpose()?,
     };
     check_relations(&source, &raw, &profile)?;
     Ok(profile)

@@ -37,6 +37,10 @@ pub enum Check {
     Ligament,
     /// Every side of every piece is cut where it should be, and nothing else is.
     Piece,
+    /// The copies lie where the report says.
+    Copies,
+    /// The features of a test coupon have their sizes.
+    Size,
 }
 
 impl Check {
@@ -49,7 +53,7 @@ impl Check {
             Self::Numbers => "make the files again; do not cut this one",
             Self::Agreement => "make both files again, and change neither by hand",
             Self::Segment => "merge the segment's ends",
-            Self::Border => "keep one closed border, and cut it last",
+            Self::Border => "keep one closed border for each part, and cut it last",
             Self::Stock => "move the part onto the stock, or set the profile's sheet to the true stock",
             Self::Duplicate => "delete one of the two cuts",
             Self::Overlap => "shorten one of the two cuts to where they meet",
@@ -57,6 +61,8 @@ impl Check {
             Self::End => "make the files again: a cut was moved, lengthened or lost",
             Self::Body => "make the files again: a cut was moved, added or closed",
             Self::Ligament => "make the files again, or correct the profile's kerf if that is what differs",
+            Self::Size => "make the files again: a cut was moved or lost",
+            Self::Copies => "make the files again, and change none by hand",
             Self::Piece => "make the files again: a cut was moved, scaled, added or lost",
         }
     }

@@ -19,6 +19,10 @@ mod burn;
 
 mod contacts;
 
+mod copies;
+
+mod coupon;
+
 mod fault;
 
 mod grooves;
@@ -37,7 +41,7 @@ mod read_svg;
 
 mod report;
 
-use kurbo::Point;
+use kurbo::{Point, Vec2};
 
 use crate::fabrication::layout::CutPath;
 use crate::kirigami::design::Design;
@@ -47,6 +51,7 @@ use contacts::Contacts;
 use grooves::Grooves;
 use machine_file::MachineFile;
 
+pub use coupon::verify_coupon;
 pub use fault::{Check, Fault};
 pub use ligaments::{CENTRE_TOLERANCE, WIDTH_TOLERANCE};
 pub use machine_file::{ReadError, hash_comment};
@@ -61,7 +66,12 @@ pub struct Wanted<'a> {
     pub profile: &'a Profile,
     /// The hash of the design file's bytes, which the machine files name.
     pub hash: &'a str,
+    /// Where every copy of the part lies, from the design's coordinates, millimetres; [`ONE_PART`] is the part alone.
+    pub copies: &'a [Vec2],
 }
+
+/// The place of a part that is alone on its sheet.
+pub const ONE_PART: [Vec2; 1] = [Vec2::ZERO];
 
 /// The bytes of the machine files.
 #[derive(Debug, Clone, Copy)]
@@ -111,6 +121,43 @@ pub struct Figures {
 }
 
 impl Figures {
+    /// Of no cut.
+    const NOTHING: Figures = Figures {
+        cuts: Vec::new(),
+        files_apart: 0.0,
+        stock_distance: f64::INFINITY,
+        shortest_segment: f64::INFINITY,
+        bodies: 0,
+        pieces_held: 0,
+        ligament_widths: [f64::INFINITY, 0.0, f64::INFINITY],
+        ligament_lengths: [f64::INFINITY, 0.0],
+        ligament_centre: [0.0, 0.0],
+        piece_deviation: 0.0,
+        web: f64::INFINITY,
+        end_gap: f64::INFINITY,
+    };
+
+    /// These and those of one more part.
+    fn with(self, part: Figures) -> Figures {
+        let [least, most, neck] = part.ligament_widths;
+        let [shortest, longest] = part.ligament_lengths;
+        let [off, forced] = part.ligament_centre;
+        Figures {
+            bodies: self.bodies + part.bodies,
+            pieces_held: self.pieces_held + part.pieces_held,
+            ligament_widths: [
+                self.ligament_widths[0].min(least),
+                self.ligament_widths[1].max(most),
+                self.ligament_widths[2].min(neck),
+            ],
+            ligament_lengths: [self.ligament_lengths[0].min(shortest), self.ligament_lengths[1].max(longest)],
+            ligament_centre: [self.ligament_centre[0].max(off), self.ligament_centre[1].max(forced)],
+            piece_deviation: self.piece_deviation.max(part.piece_deviation),
+            web: self.web.min(part.web),
+            ..self
+        }
+    }
+
     /// The largest tolerance with which a program may join ends of cuts without welding different cuts together,
     /// millimetres: half of the least distance between them, as both ends may be moved.
     pub fn join_tolerance(&self) -> f64 {
@@ -151,23 +198,42 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
     if !faults.is_empty() || file.paths.is_empty() {
         return (None, faults);
     }
-    let (profile, kerf) = (wanted.profile, wanted.profile.cut.kerf);
-    let stock_distance = paths::check_stock(file, profile, &mut faults);
+    let stock_distance = paths::check_stock(file, wanted.profile, &mut faults);
     let shortest_segment = paths::check_segments(file, &mut faults);
-    let Some(border) = paths::check_border(file, &mut faults) else { return (None, faults) };
+    if !paths::check_borders(file, wanted.copies.len(), &mut faults) {
+        return (None, faults);
+    }
+    let of_sheet = Figures {
+        cuts: paths::cuts(&file.paths),
+        stock_distance,
+        shortest_segment,
+        end_gap: paths::end_gap(&file.paths),
+        ..Figures::NOTHING
+    };
+    let parts = match wanted.copies {
+        [Vec2::ZERO] => {
+            let (figures, found) = measure_part(file, wanted);
+            faults.extend(found);
+            vec![figures]
+        }
+        copies => copies::each(file, copies, &mut faults, |part| measure_part(part, wanted)),
+    };
+    (Some(parts.into_iter().fold(of_sheet, Figures::with)), faults)
+}
+
+/// Measures the cuts of one part, of which the last is its border.
+fn measure_part(file: &MachineFile, wanted: Wanted) -> (Figures, Vec<Fault>) {
+    let mut faults = Vec::new();
+    let (profile, kerf) = (wanted.profile, wanted.profile.cut.kerf);
+    let border = file.paths.len() - 1;
     let grooves = Grooves::new(&file.paths);
     let contacts = Contacts::new(&grooves, profile);
     let web = paths::check_webs(file, &contacts, profile, &mut faults);
-    let end_gap = paths::end_gap(&file.paths);
     let burned = burn::check(file, border, &grooves, &contacts, wanted, &mut faults);
     let ligaments = ligaments::check(file, &grooves, wanted, &mut faults);
     let piece_deviation = pieces::check(file, &grooves, wanted, &mut faults);
     paths::check_free_ends(file, &grooves, wanted, kerf, &mut faults);
     let figures = Figures {
-        cuts: paths::cuts(&file.paths),
-        files_apart: 0.0,
-        stock_distance,
-        shortest_segment,
         bodies: burned.bodies,
         pieces_held: burned.pieces_held,
         ligament_widths: ligaments.widths,
@@ -175,9 +241,9 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
         ligament_centre: ligaments.centre,
         piece_deviation,
         web,
-        end_gap,
+        ..Figures::NOTHING
     };
-    (Some(figures), faults)
+    (figures, faults)
 }
 
 /// How a cut is called: its number in cutting order, from 0, and its layer.

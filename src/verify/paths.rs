@@ -119,8 +119,9 @@ pub(super) fn check_segments(file: &MachineFile, faults: &mut Vec<Fault>) -> f64
     shortest
 }
 
-/// The border's index: one, closed, the last cut. Windows are closed too, slits and relief bars open.
-pub(super) fn check_border(file: &MachineFile, faults: &mut Vec<Fault>) -> Option<usize> {
+/// One closed border for each of `wanted` parts, the last cuts. Windows are closed too, slits and relief bars open. Whether
+/// the borders are of use.
+pub(super) fn check_borders(file: &MachineFile, wanted: usize, faults: &mut Vec<Fault>) -> bool {
     let paths = &file.paths;
     for (index, path) in paths.iter().enumerate() {
         let contour = matches!(path.kind, CutKind::Window | CutKind::Border);
@@ -134,19 +135,20 @@ pub(super) fn check_border(file: &MachineFile, faults: &mut Vec<Fault>) -> Optio
         }
     }
     let borders: Vec<usize> = (0..paths.len()).filter(|&i| paths[i].kind == CutKind::Border).collect();
-    let &[border] = &borders[..] else {
-        let says = format!("{} cuts are on BORDER, there must be 1", borders.len());
+    if borders.len() != wanted {
+        let says = format!("{} cuts are on BORDER, there must be {wanted}", borders.len());
         faults.push(Fault::new(Check::Border, file.name, "the border", None, says));
-        return None;
-    };
-    if border + 1 != paths.len() {
+        return false;
+    }
+    let first = paths.len() - wanted;
+    for &border in borders.iter().filter(|&&border| border < first) {
         let says = format!(
             "is cut {border} of {}; it must be the last, as nothing holds the part after it",
             paths.len()
         );
         faults.push(Fault::new(Check::Border, file.name, cut_name(paths, border), None, says));
     }
-    paths[border].closed.then_some(border)
+    borders.iter().all(|&border| border >= first && paths[border].closed)
 }
 
 /// Cuts that are made twice, that run along each other or come too near; the least web between cuts that do not meet.

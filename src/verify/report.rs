@@ -11,6 +11,7 @@ use super::{Figures, Wanted};
 pub fn table(figures: &Figures, wanted: Wanted) -> String {
     let profile = wanted.profile;
     let width = profile.ligament.width;
+    let pieces = wanted.copies.len() * wanted.design.pieces.len();
     let [least, most, neck] = figures.ligament_widths;
     let [shortest, longest] = figures.ligament_lengths;
     let [off, forced] = figures.ligament_centre;
@@ -27,8 +28,8 @@ pub fn table(figures: &Figures, wanted: Wanted) -> String {
             format!(">= {} mm", profile.sheet.margin),
         ),
         row("shortest segment", millimetres(figures.shortest_segment), format!(">= {SHORTEST} mm")),
-        row("bodies", figures.bodies.to_string(), "1".to_owned()),
-        row("pieces held", figures.pieces_held.to_string(), wanted.design.pieces.len().to_string()),
+        row("bodies", figures.bodies.to_string(), wanted.copies.len().to_string()),
+        row("pieces held", figures.pieces_held.to_string(), pieces.to_string()),
         row(
             "piece off its sides",
             millimetres(figures.piece_deviation),

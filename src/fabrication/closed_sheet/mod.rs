@@ -10,8 +10,6 @@ pub mod border;
 
 pub mod cuts;
 
-pub mod order;
-
 pub mod ligament;
 
 #[cfg(test)]
@@ -23,7 +21,6 @@ use self::cuts::{CutSet, cut_set};
 use self::frame::corner_frames;
 use self::junction::junctions;
 use self::ligament::measure_ligaments;
-use self::order::in_cutting_order;
 use self::slit::Plan;
 use super::collision::{check_corner_collisions, check_hinge_collisions};
 use super::error::FabricationError;
@@ -58,8 +55,7 @@ pub fn cuts_of(
 /// Those of [`cuts_of`]; cuts too close together; pieces that fall off, hang together or collide when they open.
 pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
     let kerf = profile.cut.kerf;
-    let (set, topology) = cuts_of(design, profile, lengths)?;
-    let cuts = in_cutting_order(&set);
+    let (cuts, topology) = cuts_of(design, profile, lengths)?;
     let index = CutIndex::new(&cuts.paths);
     check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.cut.min_web)?;
     let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);

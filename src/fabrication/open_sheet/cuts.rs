@@ -1,8 +1,6 @@
-//! All cuts of an open sheet, and their order.
+//! All cuts of an open sheet.
 
 use kurbo::Point;
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
 
 use super::neck::necks;
 use super::rim::rims;
@@ -76,33 +74,8 @@ impl WindowCuts {
         [flat.vertex, flat.vertex + 1].map(|i| vertices[i % vertices.len()].point)
     }
 
-    /// The same cuts in cutting order: windows by nearest neighbour, the next being the one that starts nearest to
-    /// where the last one did; the first is nearest to the origin. The border comes last. Every cut starts in the
-    /// middle of its longest straight, far from ligaments.
-    pub fn in_cutting_order(mut self) -> Self {
-        self.start_on_longest_straights();
-        let windows = (0..self.paths.len()).filter(|&i| self.paths[i].kind == CutKind::Window);
-        let start = |i: usize| self.paths[i].vertices[0].point;
-        let mut left: RTree<GeomWithData<[f64; 2], usize>> =
-            RTree::bulk_load(windows.map(|i| GeomWithData::new([start(i).x, start(i).y], i)).collect());
-        let mut order = Vec::with_capacity(self.paths.len());
-        let mut at = [0.0; 2];
-        while let Some(&nearest) = left.nearest_neighbor(&at) {
-            left.remove(&nearest);
-            at = *nearest.geom();
-            order.push(nearest.data);
-        }
-        order.extend((0..self.paths.len()).filter(|&i| self.paths[i].kind != CutKind::Window));
-        let mut new_index = vec![0; order.len()];
-        for (new, &old) in order.iter().enumerate() {
-            new_index[old] = new;
-        }
-        self.flats.iter_mut().flatten().for_each(|flat| flat.path = new_index[flat.path]);
-        self.paths = order.into_iter().map(|old| self.paths[old].clone()).collect();
-        self
-    }
-
-    fn start_on_longest_straights(&mut self) {
+    /// The same cuts, each begun in the middle of its longest straight, far from ligaments.
+    pub fn started_on_longest_straights(mut self) -> Self {
         let mut taken: Vec<Vec<usize>> = vec![Vec::new(); self.paths.len()];
         for flat in self.flats.iter().flatten() {
             taken[flat.path].push(flat.vertex);
@@ -124,6 +97,7 @@ impl WindowCuts {
             let count = self.paths[flat.path].vertices.len() - 1;
             flat.vertex = (flat.vertex + count - starts[flat.path] - 1) % count + 1;
         }
+        self
     }
 }
 

@@ -63,7 +63,7 @@ pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<La
     let (cuts, topology) = cuts_of(design, profile, lengths)?;
     let motions = motions(design);
     check_gaps(design, &topology, &motions, profile)?;
-    let cuts = cuts.in_cutting_order();
+    let cuts = cuts.started_on_longest_straights();
     let index = CutIndex::new(&cuts.paths);
     check_rims(&cuts.paths, kerf, min_web)?;
     check_webs(&cuts.paths, &[], &index, kerf, min_web)?;

@@ -164,7 +164,7 @@ fn bent_sheets_keep_the_ligaments_width_and_length() {
             // Where a corner is blunt its own flat may be longer than the feet.
             assert!((1.0 - ROUNDING..1.1).contains(&ligament.length), "{ligament:?}");
         }
-        let ordered = set.clone().in_cutting_order();
+        let ordered = set.clone().started_on_longest_straights();
         let index = CutIndex::new(&ordered.paths);
         let again = measure_ligaments(&design.hinges, &ordered, &index, &profile());
         for (a, b) in ligaments.iter().zip(&again) {
