@@ -28,6 +28,9 @@ const DEVIATION: f64 = 0.02;
 /// hinge that their ends cut along the pieces' sides, by as much.
 const BEND: f64 = 0.5;
 
+/// How far outside of a side at the border its cut may run, in lengths of the side: it bridges the kinks between sides.
+const BRIDGED: f64 = 0.3;
+
 /// Largest distance between a cut and the line where it should run, millimetres.
 pub(super) fn limit(wanted: Wanted) -> f64 {
     let wide = wanted.design.pattern == PatternKind::Bistable;
@@ -99,7 +102,7 @@ fn sides(wanted: Wanted) -> Vec<Side> {
                 Some(&(other, k)) if closed => {
                     ([own[0].midpoint(flat(other, k + 1)), own[1].midpoint(flat(other, k))], 0.0)
                 }
-                None if closed => (own, 0.5 * profile.hinge_gap()),
+                None if closed => (own, 0.5 * profile.hinge_gap() + BRIDGED * own[0].distance(own[1])),
                 _ => (own, 0.0),
             };
             sides.push(Side { piece, other, ends, outside });
