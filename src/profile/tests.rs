@@ -118,7 +118,7 @@ fn each_process_has_its_own_table_and_each_shape_its_own_keys() {
     assert_eq!(diagnostic(&both).key, "process");
     let found = diagnostic(&with(&steel(), "ligament.shape", "\"notch\""));
     assert_eq!(found.key, "ligament.min_length_mm");
-    let found = diagnostic(&format!("{}\nextra_length_mm = 1.0\n", steel()));
+    let found = diagnostic(&steel().replace("[ligament]\n", "[ligament]\nextra_length_mm = 1.0\n"));
     assert_eq!(found.key, "ligament.extra_length_mm");
     let found = diagnostic(&with(&nylon(), "ligament.shape", "\"round\""));
     assert!(found.message.contains("allowed is \"beam\", \"notch\", \"rounded\""), "{found}");
