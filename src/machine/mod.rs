@@ -1,0 +1,4 @@
+//! Machine tools with up to five axes: their kinematics, and the programs that their controllers read.
+//!
+//! What goes in: a [`crate::milling::toolpath::Toolpath`]. What comes out: words of a named dialect, and from these, read back
+//! by a reader of our own, the same poses again.
