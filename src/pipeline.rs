@@ -24,13 +24,13 @@ use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
 use crate::job::{Cuts, Grid, Job, Kind, Opening};
+use crate::kirigami::bistable::family::Snapping;
 use crate::kirigami::control_mesh::{Goal, Goals};
 use crate::kirigami::design::{Design, State};
 use crate::kirigami::guides::measure_open;
-use crate::kirigami::hinges;
-use crate::kirigami::levels::{Climb, Level, Reached};
-use crate::kirigami::pattern::{Pattern, initial_pattern};
+use crate::kirigami::levels::{Climb, Family, Level, Reached};
 use crate::kirigami::quality::{Limits, Quality, measure};
+use crate::kirigami::rotating::Rotating;
 use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
@@ -111,17 +111,16 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     };
     let goals = Goals { guides: &guides, ..goals };
     let (design, [reports2, reports3]) = match &job.pattern.kind {
-        Kind::Bistable(cell) => bistable::optimise(job, cell, &levels, &layouts, goals, clock)?,
+        Kind::Bistable(proportions) => {
+            bistable::check_reach(job, proportions, &levels[levels.len() - 1], &layouts)?;
+            let (stage2, stage3) = (&job.solver.stage2, &job.solver.bistable);
+            let family = Snapping { goals, proportions, stage2, stage3 };
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, clock)?
+        }
         Kind::RotatingRectangles => {
-            let climb = Climb {
-                levels: &levels,
-                layouts: &layouts,
-                goals,
-                opening: job.pattern.opening,
-                stage2: &job.solver.stage2,
-                stage3: &job.solver.stage3,
-            };
-            optimise(&climb, clock)?
+            let (stage2, stage3) = (&job.solver.stage2, &job.solver.stage3);
+            let family = Rotating { goals, opening: job.pattern.opening, stage2, stage3 };
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, clock)?
         }
     };
     let Level { cover, .. } = levels.pop().expect("at least one level");
@@ -157,15 +156,14 @@ fn limits(job: &Job) -> Limits {
     }
 }
 
-/// Runs Stages 2 and 3 of rotating pieces. Returns the design and the reports of both stages.
-fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
-    let design = |level: usize, pattern: &Pattern| {
-        let Level { cover, gap } = &climb.levels[level];
-        hinges::design(&cover.mesh, pattern, *gap, climb.goals.sheet_state())
-    };
+/// Runs Stages 2 and 3 from coarse to fine. Returns the design and the reports of both stages.
+fn optimise<F: Family>(
+    climb: &Climb<F>,
+    clock: &mut Clock,
+) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
+    let design = |level: usize, pattern: &F::Pattern| climb.family.design(&climb.levels[level], pattern);
     let (control, report) = clock.run("stage-2", |run| climb.stage2(run));
-    let Level { cover, gap } = &climb.levels[0];
-    let start = initial_pattern(cover, &control, *gap, climb.opening);
+    let start = climb.family.start(&climb.levels[0], &control);
     clock.go_on(|| Some(reached("stage-2", &design(0, &start), clock)))?;
     let Reached { level, pattern, reports } = clock.run("stage-3", |run| climb.stage3(control, run));
     let design = design(level, &pattern);

@@ -339,7 +339,7 @@ fn lay(
     }
 }
 
-/// Lays the grid that the job asks for, and, for rotating pieces, coarser ones to begin with: the coarsest first.
+/// Lays the grid that the job asks for, and coarser ones to begin with: the coarsest first.
 fn grids(
     job: &Job,
     size: PieceSize,
@@ -347,8 +347,7 @@ fn grids(
 ) -> Result<Vec<Level>, CoverError> {
     let (mut size, mut gap) = (size, job.pattern.gap);
     let mut levels = vec![Level { cover: lay(size, gap)?, gap }];
-    let coarser = job.pattern.kind == Kind::RotatingRectangles;
-    while coarser && levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
+    while levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
         (size, gap) = (size.coarser(), 2.0 * gap);
         // Large pieces may not fit a narrow target.
         let Ok(cover) = lay(size, gap) else { break };
