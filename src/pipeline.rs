@@ -25,10 +25,12 @@ use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
 use crate::job::{Cuts, Grid, Job, Kind, Opening};
 use crate::kirigami::bistable::family::Snapping;
-use crate::kirigami::control_mesh::{Goal, Goals};
-use crate::kirigami::design::{Design, State};
+use crate::kirigami::bistable::reach::most_twisted;
+use crate::kirigami::control_mesh::{ControlMesh, Goal, Goals, stage1};
+use crate::kirigami::design::{Design, PatternKind, State};
 use crate::kirigami::guides::measure_open;
 use crate::kirigami::levels::{Climb, Family, Level, Reached};
+use crate::kirigami::piece_mesh::PieceMesh;
 use crate::kirigami::quality::{Limits, Quality, measure};
 use crate::kirigami::rotating::Rotating;
 use crate::kirigami::validity;
@@ -99,7 +101,11 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         clock.run("stage-1", |_| begin(job, targets))?;
     clock.go_on(|| None)?;
     if let Some(free) = clock.memory {
-        memory::check(levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
+        let kind = match job.pattern.kind {
+            Kind::Bistable(_) => PatternKind::Bistable,
+            Kind::RotatingRectangles => PatternKind::RotatingRectangles,
+        };
+        memory::check(kind, levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
     }
     let goals = aims.goals();
     let guides = match (closed_scale, goals.closed.target()) {
@@ -128,10 +134,7 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     if matches!(goals.open, Goal::Free) {
         quality.open_state = Some(measure_open(&design, &guides));
     }
-    let shortfalls = quality.shortfalls(&limits(job));
-    if !shortfalls.is_empty() {
-        return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
-    }
+    check_quality(job, &quality, &design, &goals, || stage1(&cover, &layouts), &cover.mesh)?;
     let gaps = match job.pattern.kind {
         Kind::RotatingRectangles => LEAST_WIDTH_IN_GAPS,
         Kind::Bistable(_) => LEAST_NECK_IN_GAPS,
@@ -144,6 +147,24 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         Stage { name: "stage-3", reports: reports3 },
     ];
     Ok(Designed { design, quality, stages, aims })
+}
+
+/// Refuses a design that falls short of what it must keep; `start` gives the control meshes of Stage 1.
+fn check_quality(
+    job: &Job,
+    quality: &Quality,
+    design: &Design,
+    goals: &Goals,
+    start: impl Fn() -> ControlMesh,
+    grid: &PieceMesh,
+) -> Result<(), PipelineError> {
+    let shortfalls = quality.shortfalls(&limits(job));
+    if shortfalls.is_empty() {
+        return Ok(());
+    }
+    let bistable = design.pattern == PatternKind::Bistable;
+    let twist = bistable.then(|| most_twisted(grid, &start().open_corners)).flatten();
+    Err(PipelineError::Shortfall { shortfalls, at: farthest(design, goals), twist })
 }
 
 /// What a design must keep. Where the opening varies or the grid is aligned the size of the pieces follows from the map, not

@@ -22,6 +22,9 @@ pub struct Level {
 /// Grids of more pieces than this begin from a coarser one.
 pub const COARSEST: usize = 400;
 
+/// The same of bistable cells, each of which has three pieces: larger ones do not follow what smaller ones can.
+pub const COARSEST_CELLS: usize = 900;
+
 /// A kind of pattern: what the way from coarse to fine has to know of it.
 pub trait Family {
     /// A pattern over a grid.
@@ -75,8 +78,9 @@ pub struct Reached<P> {
     pub reports: Vec<Report>,
 }
 
-/// A pattern whose hard phase ends with more than this, in sums of squared residuals, says nothing about finer ones.
-const SOUND: f64 = 1e-6;
+/// A pattern whose hard phase begins or ends with more than this, in sums of squared residuals, says nothing about finer
+/// ones: it was torn, or far from the target.
+const SOUND: [f64; 2] = [1e-2, 1e-6];
 
 /// A level that has been optimised.
 struct Done<P> {
@@ -148,10 +152,11 @@ impl<F: Family> Climb<'_, F> {
     }
 }
 
-/// Whether the last minimisation ended near zero.
+/// Whether the last minimisation had little to mend and ended near zero.
 fn is_sound(reports: &[Report]) -> bool {
-    let end = reports.last().and_then(|report| report.iterations.last());
-    end.is_some_and(|end| end.total() < SOUND)
+    let Some(Report { iterations, .. }) = reports.last() else { return false };
+    let ends = [iterations.first(), iterations.last()];
+    ends.iter().zip(SOUND).all(|(end, most)| end.is_some_and(|end| end.total() < most))
 }
 
 /// How far the pieces of a grid have moved from the Stage 1 map: per piece the mean over points around it, in which its
