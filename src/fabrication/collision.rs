@@ -5,6 +5,7 @@ use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
 use kurbo::Point;
+use rayon::prelude::*;
 
 use super::error::FabricationError;
 use super::ligament::MeasuredLigament;
@@ -31,27 +32,27 @@ pub fn check_hinge_collisions(
     outlines: &[Contour],
     ligaments: &[MeasuredLigament],
 ) -> Result<(), FabricationError> {
-    for (id, (hinge, ligament)) in design.hinges.iter().zip(ligaments).enumerate() {
+    let collision = |(id, (hinge, ligament)): (usize, (&Hinge, &MeasuredLigament))| {
         let Some(axis) = hinge.axis.try_normalize(1e-9) else {
-            return Err(FabricationError::BadHinge { hinge: id, reason: "its axis has no direction".into() });
+            let reason = "its axis has no direction".into();
+            return Some(FabricationError::BadHinge { hinge: id, reason });
         };
         let [still, turned] = [(0, 0.0), (1, hinge.angle)]
             .map(|(side, angle)| seen_along_axis(&outlines[hinge.pieces[side]], hinge, axis, angle));
         let area = overlap(&[still], &[turned]);
-        if area > OVERLAP_TOLERANCE {
-            return Err(FabricationError::HingeCollision {
-                pieces: hinge.pieces,
-                hinge: id,
-                x: hinge.point.x,
-                y: hinge.point.y,
-                area,
-                angle_deg: hinge.angle.to_degrees(),
-                length: ligament.length,
-                needed: ligament.width * (0.5 * hinge.angle).tan(),
-            });
-        }
-    }
-    Ok(())
+        (area > OVERLAP_TOLERANCE).then(|| FabricationError::HingeCollision {
+            pieces: hinge.pieces,
+            hinge: id,
+            x: hinge.point.x,
+            y: hinge.point.y,
+            area,
+            angle_deg: hinge.angle.to_degrees(),
+            length: ligament.length,
+            needed: ligament.width * (0.5 * hinge.angle).tan(),
+        })
+    };
+    let hinges = design.hinges.par_iter().zip(ligaments).enumerate();
+    hinges.find_map_first(collision).map_or(Ok(()), Err)
 }
 
 /// Checks the pairs of pieces that meet at a corner or along an edge without sharing a hinge, placed by their rigid
@@ -71,15 +72,15 @@ pub fn check_corner_collisions(
         topology.fans.iter().enumerate().flat_map(|(corner, fan)| apart(fan).map(move |pair| (corner, pair)));
     let beside = topology.edges.iter().filter(|edge| edge.hinge.is_none());
     let beside = beside.filter_map(|edge| Some((edge.ends[0], [edge.left, edge.right?])));
-    for (corner, pieces) in around.chain(beside) {
+    let pairs: Vec<(usize, [usize; 2])> = around.chain(beside).collect();
+    let collision = |&(corner, pieces): &(usize, [usize; 2])| {
         let area = turned_overlap(pieces.map(|piece| (&outlines[piece], &motions[piece])));
-        if area > OVERLAP_TOLERANCE {
+        (area > OVERLAP_TOLERANCE).then(|| {
             let Point { x, y } = corner_place(design, corner);
-            let state = other_name(design);
-            return Err(FabricationError::CornerCollision { pieces, corner, x, y, area, state });
-        }
-    }
-    Ok(())
+            FabricationError::CornerCollision { pieces, corner, x, y, area, state: other_name(design) }
+        })
+    };
+    pairs.par_iter().find_map_first(collision).map_or(Ok(()), Err)
 }
 
 /// The pairs of pieces around a corner that share no edge there.

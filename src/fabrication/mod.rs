@@ -30,6 +30,8 @@ pub mod ligament;
 
 pub mod outline;
 
+pub mod regions;
+
 pub mod collision;
 
 pub mod hinge_table;

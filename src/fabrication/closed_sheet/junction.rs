@@ -266,7 +266,7 @@ mod tests {
     use crate::fabrication::closed_sheet::cuts_of;
     use crate::fabrication::closed_sheet::ligament::measure_ligaments;
     use crate::fabrication::layout::CutKind;
-    use crate::fabrication::outline::piece_outlines;
+    use crate::fabrication::regions::piece_outlines;
     use crate::fabrication::test_sheet::profile;
     use crate::fabrication::web::{CutIndex, check_webs};
     use crate::geometry::{Point3, Vector3};

@@ -25,7 +25,7 @@ use self::slit::Plan;
 use super::collision::{check_corner_collisions, check_hinge_collisions};
 use super::error::FabricationError;
 use super::fabricate::LaidOut;
-use super::outline::piece_outlines;
+use super::regions::piece_outlines;
 use super::topology::{Topology, topology};
 use super::web::{CutIndex, check_webs};
 use crate::kirigami::design::Design;
