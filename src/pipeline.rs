@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::fabrication::fabricate::ligament_lengths;
+use crate::fabrication::gaps::{half_gaps, is_even};
 use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
@@ -31,9 +32,11 @@ use crate::kirigami::hinges;
 use crate::kirigami::levels::{Climb, Level, Reached};
 use crate::kirigami::pattern::{Pattern, initial_pattern};
 use crate::kirigami::quality::{Limits, Quality, measure};
+use crate::kirigami::uneven;
 use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
+use crate::profile::Profile;
 use crate::solver::Report;
 use guides::read_guides;
 use stage1::{Aims, Begun, begin};
@@ -121,7 +124,7 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
                 stage2: &job.solver.stage2,
                 stage3: &job.solver.stage3,
             };
-            optimise(&climb, clock)?
+            optimise(&climb, &job.fabrication.profile, clock)?
         }
     };
     let Level { cover, .. } = levels.pop().expect("at least one level");
@@ -158,7 +161,11 @@ fn limits(job: &Job) -> Limits {
 }
 
 /// Runs Stages 2 and 3 of rotating pieces. Returns the design and the reports of both stages.
-fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
+fn optimise(
+    climb: &Climb,
+    profile: &Profile,
+    clock: &mut Clock,
+) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
     let design = |level: usize, pattern: &Pattern| {
         let Level { cover, gap } = &climb.levels[level];
         hinges::design(&cover.mesh, pattern, *gap, climb.goals.sheet_state())
@@ -167,7 +174,19 @@ fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Design, [Vec<Report>; 2
     let Level { cover, gap } = &climb.levels[0];
     let start = initial_pattern(cover, &control, *gap, climb.opening);
     clock.go_on(|| Some(reached("stage-2", &design(0, &start), clock)))?;
-    let Reached { level, pattern, reports } = clock.run("stage-3", |run| climb.stage3(control, run));
+    let Reached { level, mut pattern, mut reports } = clock.run("stage-3", |run| climb.stage3(control, run));
+    let Level { cover, gap } = &climb.levels[level];
+    // Another gap than the profile's is the user's wish.
+    if *gap == profile.hinge_gap() && !is_even(profile) {
+        clock.go_on(|| Some(reached("stage-3", &design(level, &pattern), clock)))?;
+        let even = vec![0.5 * gap; cover.mesh.edges.len()];
+        let halves =
+            |pattern: &Pattern| half_gaps(&design(level, pattern), profile).unwrap_or_else(|| even.clone());
+        let (settled, more) =
+            clock.run("gaps", |run| uneven::settle(cover, &climb.goals, (pattern, *gap), halves, run));
+        pattern = settled;
+        reports.extend(more);
+    }
     let design = design(level, &pattern);
     clock.go_on(|| Some(reached("stage-3", &design, clock)))?;
     Ok((design, [vec![report], reports]))

@@ -4,14 +4,15 @@
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-use kurbo::Point;
+use kurbo::{Point, Rect};
 use rayon::prelude::*;
 
 use super::error::FabricationError;
 use super::ligament::MeasuredLigament;
-use super::outline::{Contour, area, contour_box};
+use super::outline::{Contour, area, contains, contour_box};
 use super::states::{corner_place, motions, other_name};
 use super::topology::{Fan, Topology};
+use super::web::segment_gap;
 use crate::geometry::rotation::RigidMotion;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge};
@@ -140,12 +141,36 @@ fn turned_overlap(pieces: [(&Contour, &RigidMotion); 2]) -> f64 {
     overlap(&[first], &[second])
 }
 
+/// Whether the sides of two shapes cross within a box that holds all that they have in common, or one lies in the other.
+fn meet(first: &[Contour], second: &[Contour], common: Rect) -> bool {
+    let sides = |shape: &[Contour]| -> Vec<[Point; 2]> {
+        let sides = shape
+            .iter()
+            .flat_map(|contour| (0..contour.len()).map(|i| [contour[i], contour[(i + 1) % contour.len()]]));
+        let sides = sides.map(|side| side.map(|[x, y]| Point::new(x, y)));
+        sides.filter(|[a, b]| common.overlaps(Rect::from_points(*a, *b))).collect()
+    };
+    let (ours, theirs) = (sides(first), sides(second));
+    let beside = |a: &[Point; 2]| {
+        let place = Rect::from_points(a[0], a[1]);
+        theirs.iter().any(|b| place.overlaps(Rect::from_points(b[0], b[1])) && segment_gap(*a, *b).0 == 0.0)
+    };
+    let holds = |shape: &[Contour], other: &[Contour]| {
+        let inside = |contour: &Contour| shape.iter().any(|around| contains(around, contour[0]));
+        other.iter().filter(|contour| !contour.is_empty()).any(inside)
+    };
+    ours.iter().any(beside) || holds(first, second) || holds(second, first)
+}
+
 /// Area common to two shapes, each the union of contours that run counter-clockwise, square millimetres.
 pub fn overlap(first: &[Contour], second: &[Contour]) -> f64 {
     let bounds = |shape: &[Contour]| contour_box(&shape.concat());
     let common = bounds(first).intersect(bounds(second));
     // The common box bounds the overlap; most pairs end here.
     if common.width() <= 0.0 || common.height() <= 0.0 || common.area() < OVERLAP_TOLERANCE {
+        return 0.0;
+    }
+    if !meet(first, second, common) {
         return 0.0;
     }
     let shapes = first.to_vec().overlay(&second.to_vec(), OverlayRule::Intersect, FillRule::NonZero);

@@ -4,6 +4,8 @@
 
 pub mod mechanics;
 
+pub mod gaps;
+
 pub mod notch;
 
 pub mod topology;

@@ -24,6 +24,8 @@ struct Cuts<'a> {
     paths: &'a [CutPath],
     /// Every path as points.
     lines: Vec<Contour>,
+    /// The grooves of open paths.
+    grooves: Vec<Vec<Shape>>,
     /// Boxes of the open paths, and of each segment of the closed ones: the path's index and the segment's.
     tree: RTree<GeomWithData<Rectangle<[f64; 2]>, (usize, usize)>>,
     /// The box of them all.
@@ -37,6 +39,10 @@ impl<'a> Cuts<'a> {
             path.flatten(ARC_TOLERANCE).into_iter().map(|point| [point.x, point.y]).collect()
         };
         let lines: Vec<Contour> = paths.par_iter().map(points).collect();
+        let groove = |(path, line): (&CutPath, &Contour)| {
+            if path.closed { Vec::new() } else { stroke(vec![line.clone()], kerf, false) }
+        };
+        let grooves = paths.par_iter().zip(&lines).map(groove).collect();
         let item = |index: usize, segment: usize, part: &[[f64; 2]]| {
             let Rect { x0, y0, x1, y1 } = contour_box(part);
             GeomWithData::new(Rectangle::from_corners([x0, y0], [x1, y1]), (index, segment))
@@ -51,7 +57,7 @@ impl<'a> Cuts<'a> {
             }
         }
         let bounds = lines.iter().fold(contour_box(&[]), |all, line| all.union(contour_box(line)));
-        Cuts { paths, lines, tree: RTree::bulk_load(items), bounds, kerf }
+        Cuts { paths, lines, grooves, tree: RTree::bulk_load(items), bounds, kerf }
     }
 
     /// The grooves in a box; outside of it they may end anywhere.
@@ -61,12 +67,12 @@ impl<'a> Cuts<'a> {
         let mut found: Vec<(usize, usize)> =
             self.tree.locate_in_envelope_intersecting(&corners).map(|item| item.data).collect();
         found.sort_unstable();
-        let (mut open, mut closed) = (Vec::new(), Vec::new());
+        let (mut grooves, mut open, mut closed) = (Vec::new(), Vec::new(), Vec::new());
         for run in found.chunk_by(|a, b| a.0 == b.0) {
             let index = run[0].0;
             let line = &self.lines[index];
             if !self.paths[index].closed {
-                open.push(line.clone());
+                grooves.extend_from_slice(&self.grooves[index]);
             } else if run.len() == line.len() {
                 closed.push(line.clone());
             } else {
@@ -77,8 +83,11 @@ impl<'a> Cuts<'a> {
                 open.extend(parts.map(part));
             }
         }
-        let mut grooves = stroke(open, self.kerf, false);
-        grooves.extend(stroke(closed, self.kerf, true));
+        for (lines, closed) in [(open, false), (closed, true)] {
+            if !lines.is_empty() {
+                grooves.extend(stroke(lines, self.kerf, closed));
+            }
+        }
         grooves
     }
 
@@ -163,7 +172,7 @@ fn piece_region(
     let error = |reason: String| FabricationError::PieceRegion { piece, x, y, reason };
     let gone = || error("is burned away or cut through at its centre".into());
     let scrap = cuts.kerf * cuts.kerf;
-    let mut margin = 2.0 * cuts.kerf + 0.1 * (place.width() + place.height());
+    let mut margin = 2.0 * cuts.kerf + 0.04 * (place.width() + place.height());
     loop {
         let place = place.inflate(margin, margin);
         let (mut own, mut others) = (None, Vec::new());

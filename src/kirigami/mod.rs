@@ -28,6 +28,8 @@ pub mod stage2;
 
 pub mod stage3;
 
+pub mod uneven;
+
 pub mod design;
 
 pub mod hinges;
