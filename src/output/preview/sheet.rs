@@ -162,6 +162,7 @@ pub fn cut_style(kind: CutKind) -> (&'static str, f64) {
         CutKind::Relief => (RELIEF, 0.18),
         CutKind::Window => (BORDER, 0.2),
         CutKind::Border => (BORDER, 0.4),
+        CutKind::Lead => (BORDER, 0.2),
     }
 }
 
