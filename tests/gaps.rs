@@ -92,7 +92,8 @@ fn milled_gaps_have_room_for_two_axes_that_tilt_apart() {
     let done = run(&folder, ["design", "job.toml", "-o", "design.json"]);
     assert_eq!(done.status, 0, "{}", done.stderr);
     let design: Value = serde_json::from_slice(&fs::read(folder.join("design.json")).unwrap()).unwrap();
-    let mut corners: BTreeMap<usize, Vec<([f64; 3], [f64; 3])>> = BTreeMap::new();
+    type Arm = ([f64; 3], [f64; 3]);
+    let mut corners: BTreeMap<usize, Vec<Arm>> = BTreeMap::new();
     for hinge in design["hinges"].as_array().unwrap() {
         let (corner, arm) = arm(&design, hinge);
         corners.entry(corner).or_default().push((arm, point(&hinge["axis"])));
