@@ -405,7 +405,7 @@ fn inner_cuts_come_first_and_the_border_last() {
         let rank = |path: &CutPath| match path.kind {
             CutKind::Slit | CutKind::Relief => 0,
             CutKind::Window => 1,
-            CutKind::Border => 2,
+            CutKind::Border | CutKind::Lead => 2,
         };
         assert!(paths.windows(2).all(|pair| rank(&pair[0]) <= rank(&pair[1])));
         assert_eq!(count(&paths, CutKind::Border), 1);
