@@ -142,7 +142,7 @@ fn tick_step(scale: f64) -> f64 {
 fn pieces(scene: &Scene, map: Affine) -> Group {
     let (tolerance, digits) = if scene.simplified { (TOLERANCE[1], 2) } else { (TOLERANCE[0], 3) };
     let mut group = Group::new();
-    for sense in [page::Sense::CounterClockwise, page::Sense::Clockwise] {
+    for sense in [page::Sense::CounterClockwise, page::Sense::Clockwise, page::Sense::Still] {
         let mut data = String::new();
         for (outline, _) in
             scene.fabrication.outlines.iter().zip(&scene.opening.senses).filter(|(_, s)| **s == sense)
