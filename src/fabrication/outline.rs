@@ -18,8 +18,8 @@ pub type Contour = Vec<[f64; 2]>;
 /// An outer contour and its holes.
 pub type Shape = Vec<Contour>;
 
-/// Step of the round ends in radians: leaves a 0.05 mm kerf's circle by a third of a micrometre.
-const CAP_STEP: f64 = 0.3;
+/// Distance by which the round ends' chords leave the circle, millimetres.
+const CAP_TOLERANCE: f64 = 3e-4;
 
 /// What the cuts leave of the sheet: one shape per body, its outer contour counter-clockwise, then its holes clockwise.
 /// Scraps smaller than a kerf square are left out.
@@ -44,11 +44,13 @@ pub fn grooves<'a>(
 }
 
 /// The grooves along open or closed lines.
-pub(super) fn stroke(lines: Vec<Contour>, kerf: f64, closed: bool) -> Vec<Shape> {
+pub fn stroke(lines: Vec<Contour>, kerf: f64, closed: bool) -> Vec<Shape> {
+    // A chord over the angle a leaves a circle by r (1 - cos(a/2)).
+    let step = 2.0 * (1.0 - (2.0 * CAP_TOLERANCE / kerf).min(0.1)).acos();
     let style = StrokeStyle::new(kerf)
-        .line_join(LineJoin::Round(CAP_STEP))
-        .start_cap(LineCap::Round(CAP_STEP))
-        .end_cap(LineCap::Round(CAP_STEP))
+        .line_join(LineJoin::Round(step))
+        .start_cap(LineCap::Round(step))
+        .end_cap(LineCap::Round(step))
         .math(MathMode::Float);
     lines.stroke(style, closed)
 }

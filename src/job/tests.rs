@@ -6,6 +6,10 @@ use crate::geometry::Point3;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
 
+mod bistable;
+
+mod cut;
+
 const JOB: &str = r#"[target]
 open = "roof.obj"
 closed = "flat"
@@ -318,50 +322,6 @@ fn the_sheet_state_is_the_flat_one() {
 }
 
 #[test]
-fn leads_and_tabs_that_cannot_be() {
-    let folder = Folder::new("leads");
-    let scrap = |leads: &str| with("leads", leads);
-    let cut = |text: &str| folder.read(text).unwrap().fabrication.cut;
-    // To pierce in scrap is to have leads, straight ones unless asked otherwise.
-    let leads = cut(&scrap("")).leads;
-    assert_eq!(leads, Some(Leads { shape: LeadShape::Line, length: 1.5 }));
-    let found = folder.diagnostic(&scrap("leads = \"arc\""));
-    assert!(found.help.contains("an ARC of an R12 file has no direction"), "{found}");
-    let arc = cut(&scrap("leads = \"arc\"").replace("dxf = \"r12\"", "")).leads;
-    assert_eq!(arc.unwrap().shape, LeadShape::Arc);
-    assert_eq!(cut(&scrap("").replace("pierce = \"scrap\"", "")).leads, None);
-    let mid_slit = with("pierce", "pierce = \"mid-slit\"");
-    let found = folder.diagnostic(&mid_slit);
-    assert!(found.message.contains("not possible with dxf = \"r12\""), "{found}");
-    let mid_slit = cut(&mid_slit.replace("dxf = \"r12\"", ""));
-    assert!(mid_slit.pierce == Pierce::MidSlit && mid_slit.leads.is_some());
-    let found = folder.diagnostic(&scrap("leads = \"none\""));
-    assert!(found.message.contains("not possible with pierce = \"scrap\""), "{found}");
-    // 0.35 mm is the least web of the profile; a width without tabs does nothing.
-    let found = folder.diagnostic(&with("tab_mm", "tab_mm = 0.3"));
-    assert!(found.message.contains("at least the profile's min_web_mm = 0.35"), "{found}");
-    assert_eq!(cut(&with("tab_mm", "")).tabs, Some(TabWish { count: 3, width: 0.35 }));
-    assert_eq!(cut(&with("tabs", "")).tabs, None);
-    assert!(folder.diagnostic(&with("tabs", "tabs = 0")).message.contains("1 to 1000"));
-    assert!(folder.diagnostic(&with("lead_mm", "lead_mm = 99.0")).message.contains("0.1 to 50 mm"));
-}
-
-#[test]
-fn options_of_the_command_line_mean_what_the_keys_mean() {
-    let mut profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
-    let folder = Folder::new("options");
-    let job = folder.read(JOB).unwrap().fabrication;
-    let table = JOB.split("profile = \"steel-304-0.5mm\"\n").nth(1).unwrap();
-    let table = table.split("\n[").next().unwrap();
-    let (dxf, cut) = cut_keys(table, &mut profile).unwrap();
-    assert_eq!((&profile, dxf), (&job.profile, job.dxf));
-    // The part's name is the caller's.
-    assert_eq!(CutOptions { engrave: job.cut.engrave.clone(), ..cut }, job.cut);
-    let error = cut_keys("passes = 0\n", &mut profile).unwrap_err().to_string();
-    assert!(error.contains("the options of the command line") && error.contains("passes = 0"), "{error}");
-}
-
-#[test]
 fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
     let lines = [("dxf", "machine = \"x\"", "fabrication.machine")];
@@ -437,54 +397,6 @@ fn each_key_refuses_impossible_values_by_name() {
         }
     }
     assert_eq!(tried, 7 * 28);
-}
-
-/// The job as one of bistable sheets, with more lines in its pattern.
-fn bistable(lines: &str) -> String {
-    let rotating = ["stretches", "opening"];
-    let kept = JOB.lines().filter(|line| !rotating.iter().any(|key| line.starts_with(key)));
-    let text: Vec<&str> = kept.take_while(|line| !line.starts_with("[solver]")).collect();
-    let kind = format!("kind = \"bistable\"\n{lines}");
-    text.join("\n").replace("kind = \"rotating-rectangles\"", &kind)
-}
-
-#[test]
-fn bistable_cells_have_their_documented_defaults_and_obey_inequality_3() {
-    let folder = Folder::new("bistable");
-    let plain = folder.read(&bistable("")).unwrap();
-    let given: Vec<String> = BISTABLE_DEFAULTS[..5]
-        .iter()
-        .map(|(key, value)| format!("{}\n", key.replace("pattern.", "") + " = " + value))
-        .collect();
-    assert_eq!(folder.read(&bistable(&given.concat())).unwrap(), plain);
-    let weights = BISTABLE_DEFAULTS[5..]
-        .iter()
-        .map(|(key, value)| format!("{} = {value}\n", key.replace("solver.", "")));
-    let solver = format!("{}\n[solver]\n{}", bistable(""), weights.collect::<String>());
-    assert_eq!(folder.read(&solver).unwrap(), plain);
-    let Kind::Bistable(cell) = plain.pattern.kind else { panic!("bistable") };
-    assert_eq!(plain.pattern.stretches, cell.stretches());
-    for (lines, key, said) in [
-        // b < B cos phi - A sin phi = 0.642: the sides a, prolonged, miss.
-        ("b = 0.7", "pattern.b", "sides a, prolonged, miss the cell's left and right edges by 0.0305"),
-        ("a = 0.7", "pattern.a", "sides b, prolonged, miss the cell's top and bottom edges by 0.0305"),
-        (
-            "phi_deg = 30",
-            "pattern.phi_deg",
-            "sides a, prolonged, miss the cell's left and right edges by 0.0312",
-        ),
-        ("stretches = [1.4, 1.4]", "pattern.stretches", "does not go with kind = \"bistable\""),
-        ("opening = \"full\"", "pattern.opening", "does not go with kind = \"bistable\""),
-        ("a = -1.0", "pattern.a", "0.001 to 1000"),
-    ] {
-        let found = folder.diagnostic(&bistable(lines));
-        assert_eq!(found.key, key, "{found}");
-        assert!(found.message.contains(said), "{found}");
-    }
-    assert!(folder.diagnostic(&bistable("b = 0.7")).help.contains("b must be less than 0.6420"));
-    assert!(folder.diagnostic(&bistable("phi_deg = 30")).help.contains("phi_deg = 27.7"));
-    let found = folder.diagnostic(&with("kind", "kind = \"rotating-rectangles\"\nphi_deg = 18"));
-    assert!(found.message.contains("phi_deg does not go with"), "{found}");
 }
 
 #[test]

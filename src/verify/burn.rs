@@ -22,7 +22,7 @@ use super::fault::{Check, Fault};
 use super::grooves::{FLAT, Grooves};
 use super::machine_file::MachineFile;
 use crate::fabrication::layout::{CutKind, CutPath};
-use crate::fabrication::outline::{Contour, area, contour_box, grooves as burned, inner_point};
+use crate::fabrication::outline::{Contour, area, contour_box, inner_point, stroke};
 use crate::fabrication::states::sheet_vertices;
 use crate::geometry::union_find::UnionFind;
 
@@ -191,7 +191,12 @@ fn holes(
     kerf: f64,
     windows: &Windows,
 ) -> Vec<(Point, f64, usize)> {
-    let grooves = burned(members.iter().map(|&path| &paths[path]), kerf, FLAT);
+    let lines = |closed: bool| -> Vec<Contour> {
+        let of_kind = members.iter().filter(|&&path| paths[path].closed == closed);
+        of_kind.map(|&path| contour(&paths[path])).collect()
+    };
+    let mut grooves = stroke(lines(false), kerf, false);
+    grooves.extend(stroke(lines(true), kerf, true));
     let none: Vec<Contour> = Vec::new();
     let united = grooves.overlay(&none, OverlayRule::Union, FillRule::NonZero);
     let mut holes: Vec<(Point, f64, usize)> = united
