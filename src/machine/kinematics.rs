@@ -75,15 +75,14 @@ impl Rotary {
         ]
     }
 
-    /// Whether a tool along `axis` (table's frame) is so upright that the turn is held: never on a table of B and A.
-    pub fn is_upright(&self, axis: &Vector3<f64>) -> bool {
-        self.table != Table::TiltBA && axis.x.hypot(axis.y) <= self.upright.sin() && axis.z > 0.0
+    /// Whether a tool along `axis` (table's frame) stands within `tilt` of the pole: never on a table of B and A.
+    pub fn is_upright(&self, axis: &Vector3<f64>, tilt: f64) -> bool {
+        self.table != Table::TiltBA && axis.x.hypot(axis.y) <= tilt.sin() && axis.z > 0.0
     }
 
     fn to_table(&self, joints: &Point3, angles: Angles) -> Point3 {
         let carried = self.tilting(angles.tilt) * (joints - self.tilt_centre);
-        self.turn_centre
-            + self.turning(angles.turn) * (carried + (self.tilt_centre - self.turn_centre))
+        self.turn_centre + self.turning(angles.turn) * (carried + (self.tilt_centre - self.turn_centre))
     }
 
     fn to_joints(&self, place: &Point3, angles: Angles) -> Point3 {

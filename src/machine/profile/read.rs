@@ -24,7 +24,8 @@ const UPRIGHT: Limits = Limits::new(
 );
 const HEIGHT: Limits = Limits::new(1.0, 500.0, "mm", "above the stock, below the spindle");
 const TOOL_LENGTH: Limits = Limits::new(0.0, 500.0, "mm", "from the spindle's face to the tip");
-const TILT: Limits = Limits::new(-45.0, 45.0, "degrees", "a wedge lifts the job off the pole by some degrees");
+const TILT: Limits =
+    Limits::new(-45.0, 45.0, "degrees", "a wedge lifts the job off the pole by some degrees");
 const SPEED: Limits = Limits::new(1.0, 200_000.0, "turns/min", "of the spindle");
 const START: Limits = Limits::new(0.0, 60.0, "s", "a spindle is up to speed within seconds");
 
@@ -287,11 +288,7 @@ fn setup(source: &TomlSource, machine: &RawMachine, rotary: bool) -> Result<Setu
     }
     if !(1..=999).contains(raw.tool_number.get_ref()) {
         let help = "the tool's place in the magazine";
-        return Err(source.value_error(
-            raw.tool_number.span(),
-            "out of range: allowed is 1 to 999",
-            help,
-        ));
+        return Err(source.value_error(raw.tool_number.span(), "out of range: allowed is 1 to 999", help));
     }
     let coolant = match raw.coolant.get_ref().as_str() {
         "off" => Coolant::Off,
@@ -360,7 +357,13 @@ fn output(source: &TomlSource, raw: &RawOutput) -> Result<Output, TomlError> {
             Some(value) => Some(number(value, 20_000, u32::MAX, bytes)? as usize),
             None => None,
         },
-        program_number: optional(&raw.program_number, 1, 1, 9000, "9001 and up are the maker's own programs")?,
+        program_number: optional(
+            &raw.program_number,
+            1,
+            1,
+            9000,
+            "9001 and up are the maker's own programs",
+        )?,
         switch: [
             optional(&raw.kinematics_output, 3, 0, 63, analog)?,
             optional(&raw.tcp_on, 1, 0, 2, analog)?,
