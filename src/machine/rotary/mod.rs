@@ -18,6 +18,7 @@
 
 mod bends;
 mod chain;
+mod knots;
 mod refine;
 mod spread;
 
