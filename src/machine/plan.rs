@@ -67,7 +67,7 @@ pub(super) fn run_moves(
             let asked = if let Rate::Feed(given) = station.rate { given } else { machine.rapid };
             planner.cut(Stand { tip: station.pose.tip, angles }, rapid, asked)?;
         }
-        if station.leave != station.arrive {
+        if station.retreat {
             retreats += 1;
             let slow = feed.or_else(|| first_feed(&stations[i..])).unwrap_or(machine.rapid);
             planner.retreat(&station.pose, station.leave, slow)?;

@@ -7,12 +7,18 @@
 use std::f64::consts::TAU;
 
 use super::knots::{Hop, Knot, knots};
-use super::{Measure, Station, nearest};
+use super::{Measure, Station};
 use crate::machine::error::MachineError;
 use crate::machine::kinematics::Angles;
 
+/// What a turn beyond the largest swing costs where a retreat would mark a ligament, minutes: more than any retreat.
+const SLOW_TURN: f64 = 0.8;
+
 /// States that are kept at each knot: the cheapest ones.
-const KEPT: usize = 16;
+const KEPT: usize = 12;
+
+/// States that are kept for the few turns they have made.
+const UNWOUND: usize = 4;
 
 /// One way to stand at a knot.
 #[derive(Debug, Clone, Copy)]
@@ -113,6 +119,7 @@ fn walk(
                 hop([before, knot], &ways, (from, state), measure, &mut states);
             }
         }
+        prune(&mut states);
         if retreats && let Some(cost) = knot.retreat {
             retreat(knot, cost, measure, &mut states);
         }
@@ -120,7 +127,7 @@ fn walk(
             let tip = runs[knot.run][knot.station].pose.tip;
             return Err(MachineError::Limits { run: knot.run + 1, tip });
         }
-        steps.push(prune(states));
+        steps.push(states);
     }
     Ok(steps)
 }
@@ -170,22 +177,21 @@ fn hop(
         }
         Hop::Upright(_, retreat) => {
             for (other, end) in everywhere(knot, measure, start.turn) {
-                if (end.turn - start.turn).abs() <= measure.rotary.max_swing {
-                    reach(other.branch, end.turn, 0.0);
-                } else if let Some((_, cost)) = retreat {
-                    reach(other.branch, end.turn, *cost);
-                }
+                let slow = (end.turn - start.turn).abs() > measure.rotary.max_swing;
+                let extra = if slow { retreat.map_or(SLOW_TURN, |(_, cost)| cost) } else { 0.0 };
+                reach(other.branch, end.turn, extra);
             }
         }
     }
 }
 
-/// All pairs of angles of a knot within the limits and two turns of `turn`.
+/// All pairs of angles of a knot within the limits and two turns of `turn`, or unwound.
 fn everywhere(knot: &Knot, measure: &Measure, turn: f64) -> Vec<(State, Angles)> {
     let mut all = Vec::with_capacity(10);
     for branch in [0, 1] {
         let middle = ((turn - knot.branches[branch].turn) / TAU).round() as i32;
-        for turns in middle - 2..=middle + 2 {
+        let near = middle - 2..=middle + 2;
+        for turns in near.clone().chain((-1..=1).filter(|turns| !near.contains(turns))) {
             let state = State { branch, turns, cost: 0.0, back: Back::Home };
             let angles = knot.angles(branch, turns);
             if within(measure, angles) {
@@ -219,20 +225,15 @@ fn keep(states: &mut Vec<State>, state: State) {
     }
 }
 
-/// The cheapest states, in the order they came in: retreats point at places in the list, and theirs stay.
-fn prune(mut states: Vec<State>) -> Vec<State> {
-    if states.len() <= KEPT {
-        return states;
+/// The cheapest states, and those with the least whole turns, in case the cheap ones run into the limits.
+fn prune(states: &mut Vec<State>) {
+    if states.len() <= KEPT + UNWOUND {
+        return;
     }
-    let reached = states.iter().take_while(|state| !matches!(state.back, Back::Retreat(_))).count();
-    if reached < states.len() {
-        states.truncate(reached.max(KEPT));
-        return states;
-    }
-    states
-        .sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.branch.cmp(&b.branch)).then(a.turns.cmp(&b.turns)));
-    states.truncate(KEPT);
-    states
+    let name = |state: &State| (state.branch, state.turns);
+    states.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(name(a).cmp(&name(b))));
+    states[KEPT..].sort_by_key(|state| (state.turns.abs(), name(state)));
+    states.truncate(KEPT + UNWOUND);
 }
 
 /// Angles of arrival and departure at each knot on the cheapest way, the unwinding at the end included.
@@ -260,7 +261,7 @@ fn backwards(knots: &[Knot], steps: &Steps, measure: &Measure) -> Vec<[Angles; 2
 fn write(runs: &mut [Vec<Station>], knots: &[Knot], chosen: &[[Angles; 2]], measure: &Measure) {
     for (knot, [arrive, leave]) in knots.iter().zip(chosen) {
         let station = &mut runs[knot.run][knot.station];
-        (station.arrive, station.leave) = (*arrive, *leave);
+        (station.arrive, station.leave, station.retreat) = (*arrive, *leave, arrive != leave);
     }
     let mut next = 0;
     let mut held = 0.0;
@@ -298,14 +299,14 @@ fn upright(stations: &mut [Station], turn: f64) {
     }
 }
 
-/// Turns from one angle to the other along an upright stretch, at once by a retreat where it is too much for a cut.
+/// Turns from one angle to the other along an upright stretch; what is too much for a cut by a retreat, if there may be one.
 fn stand(stations: &mut [Station], [from, to]: [f64; 2], retreat: Option<usize>, measure: &Measure) {
     let change = to - from;
     upright(stations, from);
-    if change.abs() > measure.rotary.max_swing {
-        let at = retreat.unwrap_or(0);
+    if let Some(at) = retreat.filter(|_| change.abs() > measure.rotary.max_swing) {
         upright(&mut stations[at..], to);
         stations[at].arrive.turn = from;
+        stations[at].retreat = true;
         return;
     }
     let mut lengths = vec![0.0; stations.len()];
@@ -319,7 +320,7 @@ fn stand(stations: &mut [Station], [from, to]: [f64; 2], retreat: Option<usize>,
         station.leave = station.arrive;
     }
     // On the spot where there is no stretch; below a billionth of a degree nothing is left to turn.
-    if let Some(last) = stations.last_mut().filter(|last| nearest(last.arrive.turn - to).abs() > 1e-11) {
+    if let Some(last) = stations.last_mut().filter(|last| (last.arrive.turn - to).abs() > 1e-11) {
         last.leave.turn = to;
     }
 }
