@@ -59,8 +59,13 @@ impl Sample {
     }
 
     fn verify(&self, dxf: &[u8], svg: &[u8]) -> Verified {
-        let wanted =
-            Wanted { design: &self.sheet.design, profile: &self.profile, hash: HASH, copies: &ONE_PART };
+        let wanted = Wanted {
+            design: &self.sheet.design,
+            profile: &self.profile,
+            hash: HASH,
+            copies: &ONE_PART,
+            tabs: None,
+        };
         verify(Files { dxf, svg }, wanted).unwrap()
     }
 
@@ -373,8 +378,13 @@ fn what_is_no_drawing_cannot_be_read() {
     let layout = &CLOSED.sheet.layout;
     let dxf = CLOSED.dxf(layout, DxfVersion::R2000, HASH);
     let svg = CLOSED.svg(layout, HASH);
-    let wanted =
-        Wanted { design: &CLOSED.sheet.design, profile: &CLOSED.profile, hash: HASH, copies: &ONE_PART };
+    let wanted = Wanted {
+        design: &CLOSED.sheet.design,
+        profile: &CLOSED.profile,
+        hash: HASH,
+        copies: &ONE_PART,
+        tabs: None,
+    };
     let reason = |dxf: &[u8], svg: &[u8]| verify(Files { dxf, svg }, wanted).unwrap_err().to_string();
     for bad in [&dxf[..dxf.len() / 2], b"", b"\x89PNG\r\n\x1a\n", b"solid x\nendsolid x\n"] {
         assert!(reason(bad, &svg).starts_with("cut.dxf"), "{}", reason(bad, &svg));

@@ -232,6 +232,34 @@ pub enum FabricationError {
         /// Between burned edges.
         spacing: f64,
     },
+    /// The border has too few places for tabs.
+    #[error(
+        "{tabs} tabs of {width} mm do not fit on the border evenly, on straight stretches {clear:.2} mm from slits and hinges: \
+         {fit} do; ask for fewer or narrower ones (tabs, tab_mm)"
+    )]
+    TooManyTabs {
+        /// Tabs that were asked for.
+        tabs: usize,
+        /// Tabs that fit.
+        fit: usize,
+        /// Their width.
+        width: f64,
+        /// Least distance from slits and hinges.
+        clear: f64,
+    },
+    /// The border can be reached by no lead.
+    #[error(
+        "no lead of {length} mm has room outside of the border, which begins at ({x:.2}, {y:.2}) mm: take a shorter one \
+         (lead_mm), more room between copies (spacing_mm), or a larger sheet"
+    )]
+    NoRoomForLead {
+        /// Where the border begins.
+        x: f64,
+        /// Where the border begins.
+        y: f64,
+        /// The length asked for.
+        length: f64,
+    },
     /// The test coupon is larger than the sheet.
     #[error(
         "the coupon measures {width:.1} x {height:.1} mm, but the sheet leaves {room_x:.1} x {room_y:.1} mm between its \
@@ -262,6 +290,26 @@ pub enum FabricationError {
         /// Midway between the two cuts.
         y: f64,
         /// Width of the material between the burned grooves; negative where they overlap.
+        web: f64,
+        /// The profile's least web.
+        limit: f64,
+    },
+    /// A relief bar that no shortening frees from its neighbours.
+    #[error(
+        "hinge {hinge} at ({x:.2}, {y:.2}) mm: its relief bar, shortened to {length:.2} mm as far as its angle allows, leaves \
+         only {web:.3} mm of material to the next cut, but the cut needs {limit:.3} mm: take larger pieces, a target that \
+         opens less, or a narrower ligament"
+    )]
+    CrowdedHinge {
+        /// The hinge.
+        hinge: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// Free length of its ligament.
+        length: f64,
+        /// Material between the bar's groove and the next one.
         web: f64,
         /// The profile's least web.
         limit: f64,

@@ -1,7 +1,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::*;
-use crate::fabrication::plan::{CutOrder, Pierce};
+use crate::fabrication::plan::{CutOrder, LeadShape, Leads, Pierce, TabWish};
 use crate::geometry::Point3;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
@@ -29,9 +29,15 @@ dxf = "r12"
 copies = 2
 spacing_mm = 3
 passes = 4
-pierce = "mid-slit"
+pierce = "scrap"
 order = "heat"
 cool_s = 7.5
+cool_mm = 6
+leads = "line"
+lead_mm = 1.5
+tabs = 3
+tab_mm = 0.6
+engrave = true
 
 [solver]
 stage-2 = { fair = 0.01, prox = 0 }
@@ -98,8 +104,11 @@ fn a_job_that_says_everything() {
             copies: 2,
             spacing: 3.0,
             passes: 4,
-            pierce: Pierce::MidSlit,
-            order: CutOrder::Heat(7.5),
+            pierce: Pierce::Scrap,
+            order: CutOrder::Heat { cool: 7.5, within: Some(6.0) },
+            leads: Some(Leads { shape: LeadShape::Line, length: 1.5 }),
+            tabs: Some(TabWish { count: 3, width: 0.6 }),
+            engrave: Some("roof".to_owned()),
         }
     );
     let profile = &job.fabrication.profile;
@@ -110,10 +119,9 @@ fn a_job_that_says_everything() {
 fn keys_left_out_have_their_documented_defaults() {
     let folder = Folder::new("defaults");
     let mut shortest = JOB.to_owned();
-    // The closed target's own size needs two meshes, a weight its guide.
-    for (key, _) in
-        DEFAULTS.into_iter().filter(|(key, _)| !["target.closed_size_mm", "guide.weight"].contains(key))
-    {
+    // The closed target's own size needs two meshes, a weight its guide; the sheet's state may be said, never chosen.
+    let elsewhere = ["target.closed_size_mm", "guide.weight", "fabrication.sheet_state"];
+    for (key, _) in DEFAULTS.into_iter().filter(|(key, _)| !elsewhere.contains(key)) {
         let name = key.rsplit('.').next().unwrap();
         folder.read(&with(name, "")).unwrap_or_else(|error| panic!("{key}: {error}"));
         shortest = shortest.lines().filter(|line| !line.starts_with(name)).collect::<Vec<_>>().join("\n");
@@ -288,12 +296,75 @@ fn pieces_come_from_a_grid_or_from_a_mesh_file() {
 }
 
 #[test]
+fn the_sheet_state_is_the_flat_one() {
+    let folder = Folder::new("sheet-state");
+    let said = |closed: &str, open: &str, state: &str| {
+        let text = JOB.replace("closed = \"flat\"", &format!("closed = \"{closed}\""));
+        let text = text.replace("open = \"roof.obj\"", &format!("open = \"{open}\""));
+        text.replace("engrave = true", &format!("sheet_state = \"{state}\""))
+    };
+    let flat_closed = |state: &str| said("flat", "roof.obj", state);
+    assert_eq!(folder.read(&flat_closed("closed")).unwrap().target.closed, Shape::Flat);
+    folder.read(&said("roof.obj", "flat", "open")).unwrap();
+    for (text, state) in [(flat_closed("open"), "open"), (said("roof.obj", "roof.obj", "closed"), "closed")] {
+        let found = folder.diagnostic(&text);
+        assert_eq!(found.key, "fabrication.sheet_state");
+        assert!(
+            found.message.contains(&format!("{state} is not \"flat\" in this job's [target]")),
+            "{found}"
+        );
+    }
+    assert!(folder.diagnostic(&flat_closed("both")).message.contains("\"closed\", \"open\""));
+}
+
+#[test]
+fn leads_and_tabs_that_cannot_be() {
+    let folder = Folder::new("leads");
+    let scrap = |leads: &str| with("leads", leads);
+    let cut = |text: &str| folder.read(text).unwrap().fabrication.cut;
+    // To pierce in scrap is to have leads, straight ones unless asked otherwise.
+    let leads = cut(&scrap("")).leads;
+    assert_eq!(leads, Some(Leads { shape: LeadShape::Line, length: 1.5 }));
+    let found = folder.diagnostic(&scrap("leads = \"arc\""));
+    assert!(found.help.contains("an ARC of an R12 file has no direction"), "{found}");
+    let arc = cut(&scrap("leads = \"arc\"").replace("dxf = \"r12\"", "")).leads;
+    assert_eq!(arc.unwrap().shape, LeadShape::Arc);
+    assert_eq!(cut(&scrap("").replace("pierce = \"scrap\"", "")).leads, None);
+    let mid_slit = with("pierce", "pierce = \"mid-slit\"");
+    let found = folder.diagnostic(&mid_slit);
+    assert!(found.message.contains("not possible with dxf = \"r12\""), "{found}");
+    let mid_slit = cut(&mid_slit.replace("dxf = \"r12\"", ""));
+    assert!(mid_slit.pierce == Pierce::MidSlit && mid_slit.leads.is_some());
+    let found = folder.diagnostic(&scrap("leads = \"none\""));
+    assert!(found.message.contains("not possible with pierce = \"scrap\""), "{found}");
+    // 0.35 mm is the least web of the profile; a width without tabs does nothing.
+    let found = folder.diagnostic(&with("tab_mm", "tab_mm = 0.3"));
+    assert!(found.message.contains("at least the profile's min_web_mm = 0.35"), "{found}");
+    assert_eq!(cut(&with("tab_mm", "")).tabs, Some(TabWish { count: 3, width: 0.35 }));
+    assert_eq!(cut(&with("tabs", "")).tabs, None);
+    assert!(folder.diagnostic(&with("tabs", "tabs = 0")).message.contains("1 to 1000"));
+    assert!(folder.diagnostic(&with("lead_mm", "lead_mm = 99.0")).message.contains("0.1 to 50 mm"));
+}
+
+#[test]
+fn options_of_the_command_line_mean_what_the_keys_mean() {
+    let mut profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
+    let folder = Folder::new("options");
+    let job = folder.read(JOB).unwrap().fabrication;
+    let table = JOB.split("profile = \"steel-304-0.5mm\"\n").nth(1).unwrap();
+    let table = table.split("\n[").next().unwrap();
+    let (dxf, cut) = cut_keys(table, &mut profile).unwrap();
+    assert_eq!((&profile, dxf), (&job.profile, job.dxf));
+    // The part's name is the caller's.
+    assert_eq!(CutOptions { engrave: job.cut.engrave.clone(), ..cut }, job.cut);
+    let error = cut_keys("passes = 0\n", &mut profile).unwrap_err().to_string();
+    assert!(error.contains("the options of the command line") && error.contains("passes = 0"), "{error}");
+}
+
+#[test]
 fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
-    let lines = [
-        ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),
-        ("dxf", "machine = \"x\"", "fabrication.machine"),
-    ];
+    let lines = [("dxf", "machine = \"x\"", "fabrication.machine")];
     for (key, line, named) in lines {
         let found = folder.diagnostic(&with(key, line));
         assert_eq!(found.key, named);
@@ -365,7 +436,7 @@ fn each_key_refuses_impossible_values_by_name() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 7 * 22);
+    assert_eq!(tried, 7 * 28);
 }
 
 /// The job as one of bistable sheets, with more lines in its pattern.

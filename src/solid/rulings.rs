@@ -61,7 +61,10 @@ impl Rulings {
             }
             let lean = [row.axis.x / row.axis.z, row.axis.y / row.axis.z];
             // Outlines are off by up to the tolerance.
-            let reach = 0.5 * row.length.hypot(row.width) + row.centre_offset + 2.0 * TOLERANCE;
+            let reach = 0.5 * row.length.hypot(row.width)
+                + row.pole_offset.abs()
+                + row.centre_offset
+                + 2.0 * TOLERANCE;
             hinges.push(GeomWithData::new([row.point.x, row.point.y], Ruling { lean, reach }));
         }
         let reach = hinges.iter().map(|hinge| hinge.data.reach).fold(0.0, f64::max);
