@@ -172,7 +172,7 @@ fn check_quality(
 
 /// What a design must keep. Where the opening varies or the grid is aligned the size of the pieces follows from the map, not
 /// from a wish.
-fn limits(job: &Job) -> Limits {
+pub fn limits(job: &Job) -> Limits {
     let limits = Limits::default();
     match (job.pattern.opening, &job.pattern.grid) {
         (Opening::Full, Grid::Regular(_) | Grid::Mesh(_)) => limits,

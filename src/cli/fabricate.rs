@@ -6,11 +6,11 @@ use std::path::Path;
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::cut_keys::CutKeys;
 use super::progress::{Reporter, Reporting};
-use super::results::{Extras, Results, cut_lines, file_names, plan};
+use super::results::{Extras, Results, cut_lines, file_names, outcome, plan};
 use super::{Failure, events, interrupt, print, solids};
 use crate::fabrication::product::Product;
 use crate::job::cut_keys;
-use crate::kirigami::quality::{Quality, measure_alone};
+use crate::kirigami::quality::{Limits, Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
@@ -53,13 +53,17 @@ pub fn run(
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let quality = &origin.quality;
     let figures = figures(&product, quality);
+    // The edge that was asked for is no concern of a design that exists.
+    let limits = Limits { edge_deviation: f64::INFINITY, ..Limits::default() };
     let results = Results {
         name: &origin.job,
         target: &origin.target,
         hashes: &origin.hashes,
         product: &product,
+        outcome: &outcome("laid out", product.hinges()),
         extras,
         quality,
+        limits: &limits,
         stages: &origin.stages,
         profile: &profile,
         dxf,
@@ -158,7 +162,7 @@ fn summary(
     folder: &Path,
 ) -> String {
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-    let mut text = format!("{name}: laid out\n");
+    let mut text = format!("{name}: {}\n", outcome("laid out", product.hinges()));
     for (label, value) in figures {
         text += &format!("  {label:<width$}  {value}\n");
     }

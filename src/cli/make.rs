@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Extras, Results, cut_lines, file_names, no_cut_file, plan};
+use super::results::{Extras, Results, cut_lines, file_names, no_cut_file, outcome, plan};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print, solids};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
@@ -15,7 +15,7 @@ use crate::kirigami::quality::{Fit, Quality};
 use crate::memory;
 use crate::output::folder::{OutputFolder, SNAP_FILES};
 use crate::output::{design_json, hinge_report, partial_json, snap_report};
-use crate::pipeline::{Clock, Made, Progress, make, source_hashes};
+use crate::pipeline::{Clock, Made, Progress, limits, make, source_hashes};
 use crate::profile::Process;
 use crate::snap::assess::{Snap, assess};
 
@@ -56,8 +56,10 @@ pub fn run(
         target: &input.target_name(),
         hashes: &source_hashes(&job, job_file),
         product: &made.product,
+        outcome: &outcome("made", made.product.hinges()),
         extras,
         quality: &made.quality,
+        limits: &limits(&job),
         stages: &made.stages,
         profile: &job.fabrication.profile,
         dxf: job.fabrication.dxf,
@@ -209,9 +211,7 @@ fn summary(
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let hinges = hinge_report::summary(made.product.hinges());
-    let warnings = hinges.as_ref().map_or(0, |summary| summary.warn);
-    let remark = if warnings > 0 { format!(", with {warnings} hinges to look at") } else { String::new() };
-    let mut text = format!("{}: made{remark}\n", input.name);
+    let mut text = format!("{}: {}\n", input.name, outcome("made", made.product.hinges()));
     for (label, value) in &figures {
         text += &format!("  {label:<width$}  {value}\n");
     }
@@ -255,7 +255,8 @@ fn summary(
     if snap.is_some() {
         text += "  snap.json, snap.svg         energy and torque on the way between the states\n";
     }
-    text += "  preview.svg                 look at this first\n\
+    text += "  report.html                 look at this first, in a browser\n\
+             \x20 preview.svg                 the same on one page, to print\n\
              \x20 hinges.csv, hinges.json     the hinge placement report\n\
              \x20 design.json, timings.json   the design with its figures, and the times\n";
     if let Some(remark) = self::remark(made, input) {

@@ -7,20 +7,22 @@ use std::path::Path;
 
 use super::Failure;
 use crate::fabrication::fabricate::Fabrication;
-use crate::fabrication::hinge_table::Verdict;
+use crate::fabrication::hinge_table::{HingeRow, Verdict};
 use crate::fabrication::notes::applied_words;
 use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
-use crate::kirigami::quality::Quality;
+use crate::kirigami::quality::{Limits, Quality};
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{
-    ASSEMBLY_FILES, FolderError, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, SHEET_FILES, SNAP_FILES, SOLIDS,
+    ASSEMBLY_FILES, FolderError, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, REPORT, SHEET_FILES,
+    SNAP_FILES, SOLIDS,
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
+use crate::output::report::{self, Report};
 use crate::output::{hinge_report, snap_report, svg};
 use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
@@ -65,10 +67,14 @@ pub struct Results<'a> {
     pub hashes: &'a BTreeMap<String, String>,
     /// The checked sheet, or the pieces where neither state is flat.
     pub product: &'a Product,
+    /// What became of the run: [`outcome`].
+    pub outcome: &'a str,
     /// What was made of it besides.
     pub extras: Extras<'a>,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
+    /// What they had to keep.
+    pub limits: &'a Limits,
     /// What the solver did.
     pub stages: &'a [Stage],
     /// For which it was laid out.
@@ -178,11 +184,46 @@ impl Results<'_> {
             out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
             out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
         }
+        out.write::<WriteError>(REPORT, |file| Ok(report::write(&self.report(&self.remarks()), file)?))?;
         match (product, self.extras.plan) {
             (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
             (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
             (Product::Assembly(assembly), _) => self.write_assembly(assembly, out),
         }
+    }
+
+    /// What the page tells that a person decides by.
+    fn report<'b>(&'b self, remarks: &'b [String]) -> Report<'b> {
+        Report {
+            job: self.name,
+            target: self.target,
+            outcome: self.outcome,
+            product: self.product,
+            quality: self.quality,
+            limits: self.limits,
+            stages: self.stages,
+            profile: self.profile,
+            figures: self.figures,
+            remarks,
+            snap: self.extras.snap,
+            plan: self.extras.plan,
+        }
+    }
+
+    /// What the summary says besides figures, hinges, cuts and snap.
+    fn remarks(&self) -> Vec<String> {
+        let mut remarks: Vec<String> = Vec::new();
+        if let Some(thick) = self.extras.solids {
+            remarks.extend(super::solids::summary(thick).lines().map(|line| line.trim().to_owned()));
+        }
+        if matches!(self.product, Product::Assembly(_)) {
+            remarks.push(no_cut_file(&self.profile.name));
+        }
+        let copies = self.extras.plan.map_or(1, |plan| plan.report.copies.len());
+        if copies > 1 {
+            remarks.push(format!("The drawing shows the first of {copies} copies."));
+        }
+        remarks
     }
 
     /// The cut files and the page that shows them.
@@ -233,6 +274,19 @@ impl Results<'_> {
         };
         out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
     }
+}
+
+/// What became of a run, in words: what was `done`, and how many hinges fail or are to be looked at.
+pub fn outcome(done: &str, hinges: &[HingeRow]) -> String {
+    let count = |verdict| hinges.iter().filter(|row| row.verdict == verdict).count();
+    let mut words = done.to_owned();
+    if count(Verdict::Fail) > 0 {
+        words += &format!(", with {} failing hinges", count(Verdict::Fail));
+    }
+    if count(Verdict::Warn) > 0 {
+        words += &format!(", with {} hinges to look at", count(Verdict::Warn));
+    }
+    words
 }
 
 /// How a sheet is cut; `None` where there is no sheet.

@@ -165,6 +165,13 @@ pub fn yield_angle(profile: &Profile, free_length: f64) -> f64 {
     2.0 * elastic_length(profile, free_length) * profile.material.yield_strain / profile.ligament.width
 }
 
+/// How far a hinge turns back when it is let go at `angle`, radians: all the way while elastic; beyond, by the moment of a
+/// rectangular section that yields without hardening, 1.5 c_y (1 - (c_y / c)^2 / 3) of the angle, c_y being that of first yield.
+pub fn springback(profile: &Profile, free_length: f64, angle: f64) -> f64 {
+    let first = yield_angle(profile, free_length);
+    if angle <= first { angle } else { 1.5 * first * (1.0 - (first / angle).powi(2) / 3.0) }
+}
+
 /// Free length at which the nominal strain at `angle`, once plastic, is the profile's strain limit, millimetres.
 pub fn strain_length(profile: &Profile, angle: f64) -> f64 {
     strain_length_at(profile, profile.material.strain_limit, angle)
@@ -296,6 +303,21 @@ mod tests {
         // Effective lengths by finite elements are given to 0.1 mm.
         for (free, effective) in [(0.5, 1.13), (1.0, 1.6), (1.5, 2.1)] {
             assert!((elastic_length(&steel, free) - effective).abs() < 0.05);
+        }
+    }
+
+    #[test]
+    fn a_yielded_section_gives_back_what_its_moment_holds() {
+        let steel = steel();
+        for (length, factor) in [(0.7, 0.4), (0.7, 1.0), (1.0, 1.3), (1.2, 4.0), (1.2, 120.0)] {
+            let first = yield_angle(&steel, length);
+            let angle = factor * first;
+            // Stress over half of the section, without hardening, by the midpoint rule; 1 is that of first yield at the face.
+            const LAYERS: usize = 20_000;
+            let heights = (0..LAYERS).map(|i| (i as f64 + 0.5) / LAYERS as f64);
+            let moment: f64 = heights.map(|y| (factor * y).min(1.0) * y / LAYERS as f64).sum();
+            // Let go, it unbends elastically by that moment; 1/3 is the elastic moment of first yield.
+            close(springback(&steel, length, angle), first * moment * 3.0, 1e-6);
         }
     }
 

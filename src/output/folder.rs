@@ -11,16 +11,19 @@ use std::path::{Path, PathBuf};
 /// The finished part as a solid.
 pub const PART: &str = "part.stl";
 
+/// The page by which a person decides.
+pub const REPORT: &str = "report.html";
+
 /// The solid pieces in the other state: of a sheet that is cut closed, and of one that is cut open.
 pub const MOVED: [&str; 2] = ["open.stl", "closed.stl"];
 
 /// The names of the files that a run makes of a sheet that is cut closed.
-pub const SHEET_FILES: [&str; 9] = sheet_files(MOVED[0]);
+pub const SHEET_FILES: [&str; 10] = sheet_files(MOVED[0]);
 
 /// The names of the files that a run makes of a sheet that is cut open.
-pub const OPEN_SHEET_FILES: [&str; 9] = sheet_files(MOVED[1]);
+pub const OPEN_SHEET_FILES: [&str; 10] = sheet_files(MOVED[1]);
 
-const fn sheet_files(moved: &'static str) -> [&'static str; 9] {
+const fn sheet_files(moved: &'static str) -> [&'static str; 10] {
     [
         "design.json",
         "cut.dxf",
@@ -30,6 +33,7 @@ const fn sheet_files(moved: &'static str) -> [&'static str; 9] {
         PART,
         moved,
         "preview.svg",
+        REPORT,
         "timings.json",
     ]
 }
@@ -41,8 +45,8 @@ pub const SNAP_FILES: [&str; 2] = ["snap.json", "snap.svg"];
 pub const SOLIDS: [&str; 2] = ["pieces-closed.stl", "pieces-open.stl"];
 
 /// The names of the files that a run makes where neither state is flat.
-pub const ASSEMBLY_FILES: [&str; 7] =
-    ["design.json", "hinges.csv", "hinges.json", SOLIDS[0], SOLIDS[1], "preview.svg", "timings.json"];
+pub const ASSEMBLY_FILES: [&str; 8] =
+    ["design.json", "hinges.csv", "hinges.json", SOLIDS[0], SOLIDS[1], "preview.svg", REPORT, "timings.json"];
 
 /// What an interrupted run leaves behind. It may stand in a folder that is replaced.
 const PARTIAL: &str = super::partial_json::FILE_NAME;

@@ -69,7 +69,7 @@ pub fn write_json<W: Write>(
 }
 
 /// Refuses numbers that are not finite; only the distance to a next cut that does not exist may be infinite.
-fn check(rows: &[HingeRow]) -> Result<(), WriteHingesError> {
+pub(super) fn check(rows: &[HingeRow]) -> Result<(), WriteHingesError> {
     for row in rows {
         let numbers = [
             ("point", row.point.x),

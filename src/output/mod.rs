@@ -18,6 +18,8 @@ pub mod hinge_report;
 
 pub mod preview;
 
+pub mod report;
+
 pub mod stretch_map;
 
 pub mod snap_report;

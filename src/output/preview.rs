@@ -8,7 +8,7 @@
 pub mod assembly;
 mod detail;
 mod opened_corner;
-mod opening;
+pub(super) mod opening;
 pub(super) mod page;
 mod sheet;
 mod space;

@@ -85,8 +85,8 @@ fn text_element(note: &Note, layer: &Layer, sheet_height: f64) -> Text {
         .set("y", decimal(sheet_height - note.position.y))
 }
 
-/// The `d` attribute: the svg crate's own path data holds f32, so the string is made here.
-fn path_data(path: &CutPath, sheet_height: f64) -> String {
+/// The `d` attribute, with y down from `sheet_height`: the svg crate's own path data holds f32, so the string is made here.
+pub(super) fn path_data(path: &CutPath, sheet_height: f64) -> String {
     let at = |p: kurbo::Point| format!("{},{}", decimal(p.x), decimal(sheet_height - p.y));
     let vertices = &path.vertices;
     let mut data = format!("M{}", at(vertices[0].point));

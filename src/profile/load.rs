@@ -33,6 +33,12 @@ pub enum ProfileError {
     Toml(#[from] TomlError),
 }
 
+/// The profiles inside the program, sorted by name.
+pub fn embedded() -> Vec<Profile> {
+    // A test reads them all; none is refused.
+    EMBEDDED.iter().filter_map(|(name, text)| read::parse(text, name, name).ok()).collect()
+}
+
 /// Loads a profile by name or path.
 ///
 /// What contains a path separator or ends in `.toml` is a path, relative to `base_dir`. Else `NAME.toml` is looked

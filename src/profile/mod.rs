@@ -9,7 +9,7 @@ mod load;
 mod machine;
 mod read;
 
-pub use load::{ProfileError, load, names};
+pub use load::{ProfileError, embedded, load, names};
 pub use machine::Machine;
 pub use read::parse;
 pub(crate) use read::{KERF, SHEET_SIDE, TOOL_RADIUS};

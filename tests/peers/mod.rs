@@ -28,12 +28,31 @@ pub fn oracle(program: &str) -> Option<Command> {
 
 /// LinuxCNC's stand-alone interpreter, from the search path.
 pub fn rs274() -> Option<PathBuf> {
+    in_search_path("rs274", "run tests/run as root on Debian, or install LinuxCNC")
+}
+
+fn in_search_path(program: &str, remedy: &str) -> Option<PathBuf> {
     let folders = std::env::var_os("PATH").unwrap_or_default();
-    let found = std::env::split_paths(&folders).map(|folder| folder.join("rs274")).find(|path| path.exists());
-    present(
-        found.unwrap_or_else(|| PathBuf::from("rs274")),
-        "run tests/run as root on Debian, or install LinuxCNC",
-    )
+    let found = std::env::split_paths(&folders).map(|folder| folder.join(program)).find(|path| path.exists());
+    present(found.unwrap_or_else(|| PathBuf::from(program)), remedy)
+}
+
+/// A program of `tests/oracle` for Node.js, ready to take arguments.
+pub fn node(program: &str) -> Option<Command> {
+    let mut command =
+        Command::new(in_search_path("node", "run tests/run as root on Debian, or install Node.js")?);
+    command.arg(root().join("tests/oracle").join(program));
+    Some(command)
+}
+
+/// The same for a program that drives the browser.
+pub fn browser(program: &str) -> Option<Command> {
+    let remedy = "run tests/run as root on Debian, which sets it up";
+    let chromium = in_search_path("chromium", remedy)?;
+    let modules = present(root().join("target/peers/node/node_modules"), remedy)?;
+    let mut command = node(program)?;
+    command.env("NODE_PATH", modules).env("CHROMIUM", chromium);
+    Some(command)
 }
 
 /// A fresh empty folder for one test, inside the build folder.

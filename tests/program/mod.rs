@@ -12,7 +12,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// The files of one run, sorted.
-pub const FILES: [&str; 9] = [
+pub const FILES: [&str; 10] = [
     "cut.dxf",
     "cut.svg",
     "design.json",
@@ -21,11 +21,12 @@ pub const FILES: [&str; 9] = [
     "open.stl",
     "part.stl",
     "preview.svg",
+    "report.html",
     "timings.json",
 ];
 
 /// The same of a sheet that is cut open.
-pub const OPEN_SHEET_FILES: [&str; 9] = [
+pub const OPEN_SHEET_FILES: [&str; 10] = [
     "closed.stl",
     "cut.dxf",
     "cut.svg",
@@ -34,6 +35,7 @@ pub const OPEN_SHEET_FILES: [&str; 9] = [
     "hinges.json",
     "part.stl",
     "preview.svg",
+    "report.html",
     "timings.json",
 ];
 

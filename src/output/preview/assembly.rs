@@ -63,13 +63,14 @@ pub fn write<W: Write>(preview: &AssemblyPreview<'_>, mut out: W) -> Result<(), 
     Ok(out.flush()?)
 }
 
-fn normals(design: &Design, state: State) -> Vec<Vector3> {
+/// The unit normals of the pieces in a state.
+pub(in crate::output) fn normals(design: &Design, state: State) -> Vec<Vector3> {
     let normal = |polygon: &[Point3]| doubled_area(polygon).try_normalize(0.0).unwrap_or_else(Vector3::z);
     design.pieces.iter().map(|piece| normal(piece.vertices(state))).collect()
 }
 
 /// The mean normal is up; x is that of the target's file as far as it lies across.
-fn frame(normals: &[Vector3]) -> [Vector3; 3] {
+pub(in crate::output) fn frame(normals: &[Vector3]) -> [Vector3; 3] {
     let up = normals.iter().sum::<Vector3>().try_normalize(1e-9).unwrap_or_else(Vector3::z);
     let across = |v: Vector3| (v - up * v.dot(&up)).try_normalize(1e-3);
     let right = across(Vector3::x()).or_else(|| across(Vector3::y())).unwrap_or_else(Vector3::x);

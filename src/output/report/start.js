@@ -1,0 +1,16 @@
+// Puts the parts together; what is chosen first is the worst hinge.
+
+shown.material = DATA.materials[0];
+shown.loads = loadsAsMade();
+textParts();
+themeButton();
+buildSheet();
+buildTable();
+onLoads.push(drawHistograms);
+onPick.push(showDetail);
+onLoads.push(() => picked !== null && showDetail(picked));
+drawHistograms();
+drawStages();
+buildWhatIf();
+if (COUNT > 0) pick(table.order[0], "start");
+else byId("detail").hidden = true;
