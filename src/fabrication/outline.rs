@@ -22,8 +22,8 @@ pub type Contour = Vec<[f64; 2]>;
 /// An outer contour and its holes.
 pub type Shape = Vec<Contour>;
 
-/// Step of the round ends in radians: leaves a 0.05 mm kerf's circle by a third of a micrometre.
-const CAP_STEP: f64 = 0.3;
+/// Distance by which the round ends' chords leave the circle, millimetres.
+const CAP_TOLERANCE: f64 = 3e-4;
 
 /// The true outline of every piece, counter-clockwise, without its halves of the ligaments, in the pieces' order.
 ///
@@ -64,10 +64,12 @@ pub fn burned_bodies(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
 
 /// The grooves of all paths, as the tool leaves them: round ends, radius half the kerf.
 fn burn(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
+    // A chord over the angle a leaves a circle by r (1 - cos(a/2)).
+    let step = 2.0 * (1.0 - (2.0 * CAP_TOLERANCE / kerf).min(0.1)).acos();
     let style = StrokeStyle::new(kerf)
-        .line_join(LineJoin::Round(CAP_STEP))
-        .start_cap(LineCap::Round(CAP_STEP))
-        .end_cap(LineCap::Round(CAP_STEP))
+        .line_join(LineJoin::Round(step))
+        .start_cap(LineCap::Round(step))
+        .end_cap(LineCap::Round(step))
         .math(MathMode::Float);
     let lines = |closed: bool| -> Vec<Contour> {
         paths.iter().filter(|path| path.closed == closed).map(contour).collect()
@@ -200,7 +202,7 @@ pub fn inner_point(polygon: &[[f64; 2]], clear: f64) -> [f64; 2] {
 }
 
 /// Whether a point lies inside a contour (even-odd rule).
-fn contains(contour: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+pub fn contains(contour: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let mut inside = false;
     for (i, &[ax, ay]) in contour.iter().enumerate() {
         let [bx, by] = contour[(i + 1) % contour.len()];

@@ -191,6 +191,7 @@ pub fn profile() -> Profile {
             shape: Shape::Beam(Beam { min_length: 0.5, max_length: 2.0, root_compliance: 1.2 }),
         },
         machine: Some(Machine { rapid_speed: 500.0, pierce_time: 0.1, hourly_rate: None }),
+        tool: None,
     }
 }
 

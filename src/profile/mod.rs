@@ -8,11 +8,14 @@
 mod load;
 mod machine;
 mod read;
+mod tool;
 
 pub use load::{ProfileError, load, names};
 pub use machine::Machine;
 pub use read::parse;
-pub(crate) use read::{KERF, SHEET_SIDE, TOOL_RADIUS};
+pub(crate) use read::{KERF, SHEET_SIDE};
+pub use tool::Tool;
+pub(crate) use tool::TOOL_RADIUS;
 
 /// A checked profile: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +34,8 @@ pub struct Profile {
     pub ligament: Ligament,
     /// Speeds and rates for estimates; `None` where the file has none.
     pub machine: Option<Machine>,
+    /// The tool of a profile for milling, `None` of one for a laser.
+    pub tool: Option<Tool>,
 }
 
 /// The stock that is cut.
