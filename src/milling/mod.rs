@@ -12,6 +12,8 @@ pub mod walk;
 
 pub mod track;
 
+pub mod order;
+
 pub mod path;
 
 pub mod sweep;

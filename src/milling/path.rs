@@ -6,6 +6,7 @@ use kurbo::Point;
 use nalgebra::{Unit, Vector3};
 
 use super::error::MillingError;
+use super::order::shortened;
 use super::toolpath::{Block, Contour, Kind, Pose, Rate, Run, Toolpath};
 use super::track::{Avoid, Station, Track};
 use super::walk::walks;
@@ -57,11 +58,12 @@ pub struct Planned {
     pub tabs: Vec<Tab>,
 }
 
-/// The path that cuts all openings, then the borders.
+/// The path that cuts all openings, then the borders. `way`: time from above one place to above another; the order of the
+/// openings makes it short.
 ///
 /// # Errors
 /// A tool with too short edges; an opening with no place to go down away from ligaments.
-pub fn path(work: &Work) -> Result<Planned, MillingError> {
+pub fn path(work: &Work, way: &(dyn Fn(&Pose, &Pose) -> f64 + Sync)) -> Result<Planned, MillingError> {
     let deepest = work.deepest(work.strokes.steepest());
     let (needed, given) = (-deepest * 1.0_f64.hypot(work.strokes.steepest()), work.tool.flute_length);
     if needed > given {
@@ -77,6 +79,9 @@ pub fn path(work: &Work) -> Result<Planned, MillingError> {
         runs.push(work.run(&track, walk.contour, ramp, &own));
         tabs.extend(own.iter().map(|&along| work.tab(&track, along)));
     }
+    let openings = runs.iter().filter(|run| run.contour == Contour::Opening).count();
+    let order = shortened(openings, &|a, b| way(&runs[a].start, &runs[b].start));
+    let runs = order.into_iter().chain(openings..runs.len()).map(|run| runs[run].clone()).collect();
     let path = Toolpath { radius: work.strokes.radius, thickness: work.thickness, runs };
     Ok(Planned { path, tabs })
 }

@@ -6,24 +6,23 @@ use nalgebra::{Unit, Vector3};
 
 use super::path::{Planned, Work, path};
 use super::sweep::finding::{Finding, Trouble};
-use super::sweep::{Figures, Move, Wanted, inspect, of_path};
+use super::sweep::{Figures, Move, Neck, Wanted, inspect, of_path};
 use super::toolpath::{Kind, Pose, Rate};
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::test_sheet::{TestSheet, cut_open};
 use crate::kirigami::design::Design;
-use crate::solid::outline::Plate;
-use crate::fabrication::outline::burned_bodies;
+use crate::geometry::mesh::TriMesh;
 use crate::fabrication::product::{Product, produce};
 use crate::output::design_json;
 use crate::profile;
-use crate::solid::outline::plate;
-use crate::solid::rulings::Rulings;
 use crate::solid::strokes::Strokes;
+use crate::solid::{Walls, thicken};
 
 /// A sheet in nylon with all that milling it takes.
 struct Milled {
     sheet: Fabrication,
-    part: Vec<Plate>,
+    part: TriMesh,
+    necks: Vec<Neck>,
     planned: Planned,
     tool: crate::profile::Tool,
 }
@@ -45,13 +44,12 @@ fn milled(design: &Design) -> Milled {
     let profile = profile::load("nylon-6-5mm", std::path::Path::new(".")).unwrap();
     let sheet = fabricate(design, &profile, &ligament_lengths(design, &profile).unwrap()).unwrap();
     let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5);
-    let rulings = Rulings::new(&strokes, &sheet.hinges, THICKNESS).unwrap();
-    let bodies = burned_bodies(&sheet.layout.paths, 1.0);
-    let part = bodies.iter().filter_map(|body| plate(body)).map(|plate| rulings.rule(&plate)).collect();
+    let part = thicken(&sheet, THICKNESS, Walls::Ruled).unwrap().part;
+    let necks = sheet.hinges.iter().map(|row| Neck::new(row, false)).collect();
     let tool = profile.tool.unwrap();
     let work = Work { strokes: &strokes, hinges: &sheet.hinges, tool: &tool, thickness: THICKNESS };
-    let planned = path(&work).unwrap();
-    Milled { sheet, part, planned, tool }
+    let planned = path(&work, &|a, b| (a.tip - b.tip).norm()).unwrap();
+    Milled { sheet, part, necks, planned, tool }
 }
 
 impl Milled {
@@ -62,7 +60,7 @@ impl Milled {
     fn inspected(&self, moves: &[Move], radius: f64) -> (Figures, Vec<Finding>) {
         let wanted = Wanted {
             part: &self.part,
-            hinges: &self.sheet.hinges,
+            necks: &self.necks,
             stock: self.sheet.layout.sheet,
             thickness: THICKNESS,
             radius,
@@ -224,27 +222,18 @@ fn probe() {
     let t = profile.sheet.thickness;
     let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf);
     eprintln!("strokes {:?}: {} nodes {} edges", clock.elapsed(), strokes.nodes.len(), strokes.edges.len());
-    let rulings = Rulings::new(&strokes, &sheet.hinges, t).unwrap();
-    let part: Vec<_> = burned_bodies(&sheet.layout.paths, sheet.layout.kerf)
-        .iter()
-        .filter_map(|body| plate(body))
-        .map(|plate| rulings.rule(&plate))
-        .collect();
-    let points: usize = part.iter().flat_map(|p| &p.outlines).map(|o| o.points.len()).sum();
-    eprintln!("part {:?}: {points} points", clock.elapsed());
-    for plate in &part {
-        let shell = crate::solid::loft::loft(plate, t);
-        eprintln!("loft {:?}: {:?}", clock.elapsed(), shell.map(|shell| shell.volume));
-    }
+    let part = thicken(&sheet, t, Walls::Ruled).unwrap().part;
+    eprintln!("part {:?}: {} points", clock.elapsed(), part.vertices.len());
+    let necks: Vec<Neck> = sheet.hinges.iter().map(|row| Neck::new(row, false)).collect();
     let tool = profile.tool.unwrap();
     let work = Work { strokes: &strokes, hinges: &sheet.hinges, tool: &tool, thickness: t };
-    let planned = path(&work).unwrap();
+    let planned = path(&work, &|a, b| (a.tip - b.tip).norm()).unwrap();
     let blocks: usize = planned.path.runs.iter().map(|run| run.blocks.len()).sum();
     eprintln!("path {:?}: {} runs, {blocks} blocks, {} tabs", clock.elapsed(), planned.path.runs.len(), planned.tabs.len());
     let moves = of_path(&planned.path, tool.spindle);
     let wanted = Wanted {
         part: &part,
-        hinges: &sheet.hinges,
+        necks: &necks,
         stock: sheet.layout.sheet,
         thickness: t,
         radius: 0.5 * sheet.layout.kerf,

@@ -6,7 +6,7 @@ use i_overlay::float::single::SingleFloatOverlay;
 use i_overlay::mesh::float::stroke::offset::StrokeOffset;
 use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
 use i_overlay::mesh::math::MathMode;
-use kurbo::Point;
+use kurbo::{Point, Rect};
 
 use super::finding::{Finding, Trouble};
 use super::section::{Counted, Section, sections};
@@ -52,9 +52,8 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
             && contains(&bodies[body][0], [point.x, point.y])
             && !bodies[body][1..].iter().any(|hole| contains(hole, [point.x, point.y]))
     };
-    let hinge = |i: usize| Point::new(wanted.hinges[i].point.x, wanted.hinges[i].point.y);
-    let mut with_part = vec![false; bodies.len()];
-    for point in (0..wanted.hinges.len()).map(hinge) {
+        let mut with_part = vec![false; bodies.len()];
+    for point in wanted.necks.iter().map(|neck| neck.at) {
         if let Some(body) = (0..bodies.len()).find(|&body| holds(body, point)) {
             with_part[body] = true;
         }
@@ -75,8 +74,13 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
 /// The first of the sections whose tool runs along the part's outer contour away from its hinges and grooves: the
 /// last stretch of moves that all lie outside of the part's outer contour.
 fn border_begins(all: &[Section], wanted: &Wanted) -> usize {
-    let outer: Vec<Contour> = wanted.part.iter().filter_map(|plate| plate.outlines.first()).map(|o| o.at(0.0)).collect();
-    let boxes: Vec<_> = outer.iter().map(|contour| contour_box(contour).inset(0.9 * wanted.radius)).collect();
+    let (mut low, mut high) = (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
+    for corner in &wanted.part.vertices {
+        low = Point::new(low.x.min(corner.x), low.y.min(corner.y));
+        high = Point::new(high.x.max(corner.x), high.y.max(corner.y));
+    }
+    // Leaning walls stand out at one face.
+    let of = Rect::from_points(low, high).inset(-0.5 * wanted.thickness);
     let mut end = all.len();
     // Runs, from the last: a border's sections reach the box of the part's contour on all four sides.
     while end > 0 {
@@ -87,7 +91,7 @@ fn border_begins(all: &[Section], wanted: &Wanted) -> usize {
             low = Point::new(low.x.min(point.x), low.y.min(point.y));
             high = Point::new(high.x.max(point.x), high.y.max(point.y));
         }
-        let encloses = boxes.iter().any(|of| low.x < of.x0 && low.y < of.y0 && high.x > of.x1 && high.y > of.y1);
+        let encloses = low.x < of.x0 && low.y < of.y0 && high.x > of.x1 && high.y > of.y1;
         if !encloses {
             return end;
         }

@@ -22,11 +22,13 @@ use rayon::prelude::*;
 
 use self::finding::{Finding, Trouble};
 use self::slice::Slice;
+use kurbo::{Point, Vec2};
+
 use super::path::Tab;
 use super::toolpath::{Pose, Rate, Toolpath};
 use crate::fabrication::hinge_table::HingeRow;
+use crate::geometry::mesh::TriMesh;
 use crate::profile::Tool;
-use crate::solid::outline::Plate;
 
 /// How far the tool may cut into the part, millimetres.
 pub const GOUGE_LIMIT: f64 = 0.01;
@@ -51,13 +53,37 @@ pub struct Move {
     pub spindle: f64,
 }
 
+/// A ligament as it should be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neck {
+    /// The hinge.
+    pub id: usize,
+    /// Its point, at mid-plane.
+    pub at: Point,
+    /// Which way its middle runs through the sheet: (dx/dz, dy/dz).
+    pub lean: Vec2,
+    /// Its width.
+    pub width: f64,
+    /// How far its middle is known to be off the hinge's axis.
+    pub told: f64,
+}
+
+impl Neck {
+    /// From the hinge table, for walls that follow the hinges' axes or, on machines with three axes, stand upright.
+    pub fn new(row: &HingeRow, upright: bool) -> Self {
+        let lean = if upright { Vec2::ZERO } else { Vec2::new(row.axis.x, row.axis.y) / row.axis.z };
+        let at = Point::new(row.point.x, row.point.y);
+        Self { id: row.id, at, lean, width: row.width, told: row.centre_offset }
+    }
+}
+
 /// What a program is held against.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
-    /// The finished part with its walls.
-    pub part: &'a [Plate],
-    /// The hinges.
-    pub hinges: &'a [HingeRow],
+    /// The finished part, in the sheet's frame.
+    pub part: &'a TriMesh,
+    /// Its ligaments.
+    pub necks: &'a [Neck],
     /// Size of the stock in x and y, millimetres, from the origin.
     pub stock: [f64; 2],
     /// Thickness of the sheet, millimetres.

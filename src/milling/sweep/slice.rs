@@ -6,10 +6,10 @@ use rstar::{AABB, RTree};
 
 use super::finding::{Finding, Trouble};
 use super::section::{Counted, Section, sections};
-use super::{Move, NECK_LIMIT, Wanted};
-use crate::fabrication::hinge_table::HingeRow;
+use super::{Move, NECK_LIMIT, Neck, Wanted};
 use crate::fabrication::web::{nearest_on_segment, segment_gap};
 use crate::geometry::Point3;
+use crate::geometry::mesh::TriMesh;
 
 /// Walls are looked at in steps of this, millimetres.
 const STEP: f64 = 0.25;
@@ -48,9 +48,9 @@ impl Worst {
 
 /// A ligament at one height.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Neck {
-    /// The hinge.
-    pub hinge: usize,
+pub struct Found {
+    /// Its place among those that are wanted.
+    pub neck: usize,
     /// Width through the axis; infinite where a wall is missing.
     pub width: f64,
     /// Distance of its middle from the axis.
@@ -69,49 +69,64 @@ pub struct Slice {
     /// How much it leaves on its walls.
     pub leftover: Worst,
     /// The ligaments.
-    pub necks: Vec<Neck>,
+    pub necks: Vec<Found>,
 }
 
 impl Slice {
     /// Measures the sheet at a height.
     pub fn new(moves: &[Move], z: f64, wanted: &Wanted) -> Self {
         let above_middle = z + 0.5 * wanted.thickness;
-        let walls: Vec<[Point; 2]> = wanted
-            .part
-            .iter()
-            .flat_map(|plate| &plate.outlines)
-            .flat_map(|outline| {
-                let points = outline.at(above_middle);
-                let corner = |i: usize| Point::from((points[i % points.len()][0], points[i % points.len()][1]));
-                (0..points.len()).map(|i| [corner(i), corner(i + 1)]).collect::<Vec<_>>()
-            })
-            .collect();
+        let walls = walls(wanted.part, above_middle);
         let touched = sections(moves, z, wanted.radius, Counted::Touched);
         let gouge = gouge(&touched, &walls, wanted.radius);
         drop(touched);
         let cleared = sections(moves, z, wanted.radius, Counted::Cleared);
         let grooves = tree(cleared.iter().map(|section| section.ends));
         let leftover = leftover(&walls, &cleared, &grooves, above_middle, wanted);
-        let necks = wanted.hinges.iter().map(|row| neck(row, &cleared, &grooves, above_middle, wanted.radius));
-        Self { height: z, gouge, leftover, necks: necks.collect() }
+        let find = |place: usize| {
+            let neck = &wanted.necks[place];
+            found(neck, place, (&cleared, &grooves), above_middle, wanted.radius)
+        };
+        Self { height: z, gouge, leftover, necks: (0..wanted.necks.len()).map(find).collect() }
     }
 
     /// The ligaments that are off.
     pub fn neck_findings(&self, wanted: &Wanted) -> Vec<Finding> {
         let mut findings = Vec::new();
-        for neck in &self.necks {
-            let row = &wanted.hinges[neck.hinge];
-            let at = Point3::new(neck.at.x, neck.at.y, self.height);
+        for found in &self.necks {
+            let neck = &wanted.necks[found.neck];
+            let at = Point3::new(found.at.x, found.at.y, self.height);
             let mut tell = |trouble, value: f64, limit| {
                 if value > limit {
-                    findings.push(Finding { trouble, at, value, limit, hinge: Some(row.id), step: None });
+                    findings.push(Finding { trouble, at, value, limit, hinge: Some(neck.id), step: None });
                 }
             };
-            tell(Trouble::NeckWidth, (neck.width - row.width).abs(), NECK_LIMIT);
-            tell(Trouble::NeckCentre, neck.off, NECK_LIMIT + row.centre_offset);
+            tell(Trouble::NeckWidth, (found.width - neck.width).abs(), NECK_LIMIT);
+            tell(Trouble::NeckCentre, found.off, NECK_LIMIT + neck.told);
         }
         findings
     }
+}
+
+/// The lines in which the part's walls meet the plane at a height above mid-plane.
+fn walls(part: &TriMesh, height: f64) -> Vec<[Point; 2]> {
+    let mut lines = Vec::new();
+    for triangle in part.triangles() {
+        let above = triangle.map(|corner| corner.z >= height);
+        if above[0] == above[1] && above[1] == above[2] {
+            continue;
+        }
+        let ends = [0, 1, 2].map(|i| {
+            let [a, b] = [triangle[i], triangle[(i + 1) % 3]];
+            (above[i] != above[(i + 1) % 3]).then(|| {
+                let cut = a + (b - a) * ((height - a.z) / (b.z - a.z));
+                Point::new(cut.x, cut.y)
+            })
+        });
+        let mut ends = ends.into_iter().flatten();
+        lines.extend(ends.next().zip(ends.next()).map(|(a, b)| [a, b]));
+    }
+    lines
 }
 
 fn tree(lines: impl Iterator<Item = [Point; 2]>) -> Lines {
@@ -197,11 +212,16 @@ fn leftover(
 }
 
 /// A ligament between the cleared grooves.
-fn neck(row: &HingeRow, sections: &[Section], grooves: &Lines, above_middle: f64, radius: f64) -> Neck {
-    let lean = Vec2::new(row.axis.x, row.axis.y) / row.axis.z;
-    let at = Point::new(row.point.x, row.point.y) + above_middle * lean;
-    let nothing = Neck { hinge: row.id, width: f64::INFINITY, off: f64::INFINITY, at };
-    let far = 4.0 * (row.width + radius);
+fn found(
+    neck: &Neck,
+    place: usize,
+    (sections, grooves): (&[Section], &Lines),
+    above_middle: f64,
+    radius: f64,
+) -> Found {
+    let at = neck.at + above_middle * neck.lean;
+    let nothing = Found { neck: place, width: f64::INFINITY, off: f64::INFINITY, at };
+    let far = 4.0 * (neck.width + radius);
     let near: Vec<Section> =
         grooves.locate_within_distance([at.x, at.y], far * far).map(|line| sections[line.data]).collect();
     let free = |section: &Section, ends: [Point; 2]| {
@@ -214,7 +234,7 @@ fn neck(row: &HingeRow, sections: &[Section], grooves: &Lines, above_middle: f64
     let axis = -way.normalize();
     let beyond = near.iter().filter_map(|section| Some(free(section, in_cone(section.ends, at, axis)?)));
     let Some((second, _)) = beyond.min_by(|a, b| order(a, b)) else { return nothing };
-    Neck { hinge: row.id, width: first + second, off: 0.5 * (second - first).abs(), at }
+    Found { neck: place, width: first + second, off: 0.5 * (second - first).abs(), at }
 }
 
 /// By distance, ties by place: the index has no order.
