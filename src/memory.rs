@@ -4,13 +4,14 @@
 use std::fs;
 use std::path::Path;
 
+use crate::kirigami::design::PatternKind;
 use crate::kirigami::stage3::Regime;
 use crate::solver::Coupling;
 
 /// Bytes that the program takes beside the pattern: code, target, input and output.
 const BYTES_OF_PROGRAM: f64 = 12e6;
 
-/// What a piece takes: mesh, terms, normal equations, and its share of the factors.
+/// What a piece (a cell, where the pattern is bistable) takes: mesh, terms, normal equations, and its share of the factors.
 struct PerPiece {
     /// Bytes that do not grow with the pattern.
     always: f64,
@@ -23,17 +24,21 @@ struct PerPiece {
 impl PerPiece {
     const FULLY_COUPLED: Self = Self { always: 43_000.0, per_doubling: 2_300.0 };
     const COUPLED_BY_PLACE: Self = Self { always: 27_000.0, per_doubling: 950.0 };
+    const BISTABLE: Self = Self { always: 116_000.0, per_doubling: 4_600.0 };
 }
 
 /// The optimisation needs more memory than there is.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "the optimisation of {pieces} pieces needs about {:.1} GiB of memory, {:.1} GiB are free: ask for at most {most} pieces, \
-     or try it with --ignore-memory",
+    "the optimisation of {pieces} {} needs about {:.1} GiB of memory, {:.1} GiB are free: ask for at most {most}, or try it \
+     with --ignore-memory",
+    if *kind == PatternKind::Bistable { "cells" } else { "pieces" },
     gibibytes(*needed), gibibytes(*free)
 )]
 pub struct NotEnough {
-    /// Number of pieces.
+    /// What they are pieces of.
+    pub kind: PatternKind,
+    /// Number of pieces, or of bistable cells.
     pub pieces: usize,
     /// Bytes that they need.
     pub needed: u64,
@@ -47,13 +52,14 @@ fn gibibytes(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 30)
 }
 
-/// Bytes that the optimisation of a pattern takes, about, where it begins with fewer, larger pieces. If these
+/// Bytes that the optimisation of a pattern with so many pieces, or bistable cells, takes, about, where it begins with fewer, larger pieces. If these
 /// lead nowhere the pattern is begun anew, fully coupled, which takes twice as much.
-pub fn estimate(pieces: usize) -> u64 {
+pub fn estimate(kind: PatternKind, pieces: usize) -> u64 {
     let n = pieces as f64;
-    let PerPiece { always, per_doubling } = match Regime::from_coarser(pieces).coupling {
-        Coupling::Full => PerPiece::FULLY_COUPLED,
-        Coupling::ByPlace => PerPiece::COUPLED_BY_PLACE,
+    let PerPiece { always, per_doubling } = match (kind, Regime::from_coarser(pieces).coupling) {
+        (PatternKind::Bistable, _) => PerPiece::BISTABLE,
+        (_, Coupling::Full) => PerPiece::FULLY_COUPLED,
+        (_, Coupling::ByPlace) => PerPiece::COUPLED_BY_PLACE,
     };
     (BYTES_OF_PROGRAM + n * (always + per_doubling * n.max(1.0).log2())) as u64
 }
@@ -62,17 +68,17 @@ pub fn estimate(pieces: usize) -> u64 {
 ///
 /// # Errors
 /// [`NotEnough`], with the number of pieces that would fit.
-pub fn check(pieces: usize, free: u64) -> Result<(), NotEnough> {
-    let needed = estimate(pieces);
+pub fn check(kind: PatternKind, pieces: usize, free: u64) -> Result<(), NotEnough> {
+    let needed = estimate(kind, pieces);
     if needed <= free {
         return Ok(());
     }
     let (mut most, mut too_many) = (0, pieces);
     while too_many - most > 1 {
         let middle = most + (too_many - most) / 2;
-        if estimate(middle) <= free { most = middle } else { too_many = middle }
+        if estimate(kind, middle) <= free { most = middle } else { too_many = middle }
     }
-    Err(NotEnough { pieces, needed, free, most })
+    Err(NotEnough { kind, pieces, needed, free, most })
 }
 
 /// Bytes that a process may take now: what Linux calls available, and no more than the limits of its control
@@ -109,9 +115,11 @@ fn group_left(groups: &str, root: &Path) -> Option<u64> {
 mod tests {
     use super::*;
 
+    const ROTATING: PatternKind = PatternKind::RotatingRectangles;
+
     #[test]
     fn estimates_cover_what_was_measured() {
-        // Pieces and peak resident MiB of whole runs on the sample dome.
+        // Pieces and peak resident MiB of whole runs on the sample dome; bistable cells on one of a fifth of its span.
         let measured = [
             (576, 42.7),
             (1_156, 78.2),
@@ -125,21 +133,27 @@ mod tests {
             (99_856, 3848.7),
         ];
         for (pieces, peak) in measured {
-            let ratio = estimate(pieces) as f64 / (peak * 1024.0 * 1024.0);
+            let ratio = estimate(ROTATING, pieces) as f64 / (peak * 1024.0 * 1024.0);
             assert!((1.01..1.15).contains(&ratio), "{pieces}: {ratio}");
+        }
+        for (cells, peak) in [(1024, 155.5), (10_000, 1560.4)] {
+            let ratio = estimate(PatternKind::Bistable, cells) as f64 / (peak * 1024.0 * 1024.0);
+            assert!((1.01..1.15).contains(&ratio), "{cells}: {ratio}");
         }
     }
 
     #[test]
     fn refuses_what_does_not_fit_and_says_what_does() {
-        assert_eq!(check(1000, estimate(1000)), Ok(()));
-        let refused = check(1_000_000, 20 << 30).unwrap_err();
-        assert!(estimate(refused.most) <= 20 << 30 && estimate(refused.most + 1) > 20 << 30);
+        assert_eq!(check(ROTATING, 1000, estimate(ROTATING, 1000)), Ok(()));
+        let refused = check(ROTATING, 1_000_000, 20 << 30).unwrap_err();
+        assert!(
+            estimate(ROTATING, refused.most) <= 20 << 30 && estimate(ROTATING, refused.most + 1) > 20 << 30
+        );
         let text = refused.to_string();
         assert!(text.contains("1000000 pieces needs about ") && text.contains("20.0 GiB are free"), "{text}");
-        assert_eq!(check(10, 0).unwrap_err().most, 0);
+        assert_eq!(check(ROTATING, 10, 0).unwrap_err().most, 0);
         // A million pieces are refused on a machine of 24 GiB, and half of them are not.
-        assert!(check(1_000_000, 24 << 30).is_err() && check(500_000, 24 << 30).is_ok());
+        assert!(check(ROTATING, 1_000_000, 24 << 30).is_err() && check(ROTATING, 500_000, 24 << 30).is_ok());
     }
 
     #[test]

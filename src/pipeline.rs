@@ -24,13 +24,15 @@ use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
 use crate::job::{Cuts, Grid, Job, Kind, Opening};
-use crate::kirigami::control_mesh::{Goal, Goals};
-use crate::kirigami::design::{Design, State};
+use crate::kirigami::bistable::family::Snapping;
+use crate::kirigami::bistable::reach::most_twisted;
+use crate::kirigami::control_mesh::{ControlMesh, Goal, Goals, stage1};
+use crate::kirigami::design::{Design, PatternKind, State};
 use crate::kirigami::guides::measure_open;
-use crate::kirigami::hinges;
-use crate::kirigami::levels::{Climb, Level, Reached};
-use crate::kirigami::pattern::{Pattern, initial_pattern};
+use crate::kirigami::levels::{Climb, Family, Level, Reached};
+use crate::kirigami::piece_mesh::PieceMesh;
 use crate::kirigami::quality::{Limits, Quality, measure};
+use crate::kirigami::rotating::Rotating;
 use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
@@ -99,7 +101,11 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         clock.run("stage-1", |_| begin(job, targets))?;
     clock.go_on(|| None)?;
     if let Some(free) = clock.memory {
-        memory::check(levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
+        let kind = match job.pattern.kind {
+            Kind::Bistable(_) => PatternKind::Bistable,
+            Kind::RotatingRectangles => PatternKind::RotatingRectangles,
+        };
+        memory::check(kind, levels[levels.len() - 1].cover.mesh.pieces.len(), free)?;
     }
     let goals = aims.goals();
     let guides = match (closed_scale, goals.closed.target()) {
@@ -111,17 +117,16 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     };
     let goals = Goals { guides: &guides, ..goals };
     let (design, [reports2, reports3]) = match &job.pattern.kind {
-        Kind::Bistable(cell) => bistable::optimise(job, cell, &levels, &layouts, goals, clock)?,
+        Kind::Bistable(proportions) => {
+            bistable::check_reach(job, proportions, &levels[levels.len() - 1], &layouts)?;
+            let (stage2, stage3) = (&job.solver.stage2, &job.solver.bistable);
+            let family = Snapping { goals, proportions, stage2, stage3 };
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, clock)?
+        }
         Kind::RotatingRectangles => {
-            let climb = Climb {
-                levels: &levels,
-                layouts: &layouts,
-                goals,
-                opening: job.pattern.opening,
-                stage2: &job.solver.stage2,
-                stage3: &job.solver.stage3,
-            };
-            optimise(&climb, clock)?
+            let (stage2, stage3) = (&job.solver.stage2, &job.solver.stage3);
+            let family = Rotating { goals, opening: job.pattern.opening, stage2, stage3 };
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, clock)?
         }
     };
     let Level { cover, .. } = levels.pop().expect("at least one level");
@@ -129,10 +134,7 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     if matches!(goals.open, Goal::Free) {
         quality.open_state = Some(measure_open(&design, &guides));
     }
-    let shortfalls = quality.shortfalls(&limits(job));
-    if !shortfalls.is_empty() {
-        return Err(PipelineError::Shortfall { shortfalls, at: farthest(&design, &goals) });
-    }
+    check_quality(job, &quality, &design, &goals, || stage1(&cover, &layouts), &cover.mesh)?;
     let gaps = match job.pattern.kind {
         Kind::RotatingRectangles => LEAST_WIDTH_IN_GAPS,
         Kind::Bistable(_) => LEAST_NECK_IN_GAPS,
@@ -147,6 +149,24 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
     Ok(Designed { design, quality, stages, aims })
 }
 
+/// Refuses a design that falls short of what it must keep; `start` gives the control meshes of Stage 1.
+fn check_quality(
+    job: &Job,
+    quality: &Quality,
+    design: &Design,
+    goals: &Goals,
+    start: impl Fn() -> ControlMesh,
+    grid: &PieceMesh,
+) -> Result<(), PipelineError> {
+    let shortfalls = quality.shortfalls(&limits(job));
+    if shortfalls.is_empty() {
+        return Ok(());
+    }
+    let bistable = design.pattern == PatternKind::Bistable;
+    let twist = bistable.then(|| most_twisted(grid, &start().open_corners)).flatten();
+    Err(PipelineError::Shortfall { shortfalls, at: farthest(design, goals), twist })
+}
+
 /// What a design must keep. Where the opening varies or the grid is aligned the size of the pieces follows from the map, not
 /// from a wish.
 fn limits(job: &Job) -> Limits {
@@ -157,15 +177,14 @@ fn limits(job: &Job) -> Limits {
     }
 }
 
-/// Runs Stages 2 and 3 of rotating pieces. Returns the design and the reports of both stages.
-fn optimise(climb: &Climb, clock: &mut Clock) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
-    let design = |level: usize, pattern: &Pattern| {
-        let Level { cover, gap } = &climb.levels[level];
-        hinges::design(&cover.mesh, pattern, *gap, climb.goals.sheet_state())
-    };
+/// Runs Stages 2 and 3 from coarse to fine. Returns the design and the reports of both stages.
+fn optimise<F: Family>(
+    climb: &Climb<F>,
+    clock: &mut Clock,
+) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
+    let design = |level: usize, pattern: &F::Pattern| climb.family.design(&climb.levels[level], pattern);
     let (control, report) = clock.run("stage-2", |run| climb.stage2(run));
-    let Level { cover, gap } = &climb.levels[0];
-    let start = initial_pattern(cover, &control, *gap, climb.opening);
+    let start = climb.family.start(&climb.levels[0], &control);
     clock.go_on(|| Some(reached("stage-2", &design(0, &start), clock)))?;
     let Reached { level, pattern, reports } = clock.run("stage-3", |run| climb.stage3(control, run));
     let design = design(level, &pattern);

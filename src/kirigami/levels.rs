@@ -4,15 +4,12 @@
 //! Stage 1 map is a smooth function on the flattened target; added to the Stage 1 map of the finer grid it gives
 //! a start that is wrong in details only, and these are found in a few steps.
 
-use super::control_mesh::{ControlMesh, Goals, Layouts, LinearMap, stage1};
+use super::control_mesh::{ControlMesh, Layouts, LinearMap, stage1};
 use super::cover::Cover;
-use super::pattern::{Opening, Pattern, initial_pattern};
-use super::stage2::stage2;
-use super::stage3::{Problem, Regime, stage3};
-use super::{stage2 as second, stage3 as third};
+use super::design::Design;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point3, Vector3};
-use crate::solver::{Options, Report, Run, Step, Termination};
+use crate::solver::{Report, Run, Step, Termination};
 
 /// A grid with the gap between its hinge points.
 pub struct Level {
@@ -25,103 +22,110 @@ pub struct Level {
 /// Grids of more pieces than this begin from a coarser one.
 pub const COARSEST: usize = 400;
 
+/// The same of bistable cells, each of which has three pieces: larger ones do not follow what smaller ones can.
+pub const COARSEST_CELLS: usize = 900;
+
+/// A kind of pattern: what the way from coarse to fine has to know of it.
+pub trait Family {
+    /// A pattern over a grid.
+    type Pattern: Clone;
+
+    /// Stage 2: control meshes of the right local dimensions. `name` is that of the minimisation in the journal.
+    fn stage2(&self, level: &Level, start: &ControlMesh, name: &str, run: &mut Run) -> (ControlMesh, Report);
+
+    /// The pattern of control meshes.
+    fn start(&self, level: &Level, control: &ControlMesh) -> Self::Pattern;
+
+    /// Stage 3. Border points are held to where they are in `border`; a `refined` start comes from a pattern of larger
+    /// pieces. Returns the pattern with one report per phase.
+    fn stage3(
+        &self,
+        level: &Level,
+        start: Self::Pattern,
+        border: &Self::Pattern,
+        refined: bool,
+        name: &str,
+        run: &mut Run,
+    ) -> (Self::Pattern, Vec<Report>);
+
+    /// Most steps of Stage 3 on a level.
+    fn most_steps(&self, level: &Level, refined: bool) -> usize;
+
+    /// How far the pattern over a grid has moved since `first`.
+    fn displacement(&self, cover: &Cover, first: &Self::Pattern, pattern: &Self::Pattern) -> Displacement;
+
+    /// The pieces and hinges of a pattern.
+    fn design(&self, level: &Level, pattern: &Self::Pattern) -> Design;
+}
+
 /// What all levels have in common.
-pub struct Climb<'a> {
+pub struct Climb<'a, F> {
     /// The grids, the coarsest first.
     pub levels: &'a [Level],
     /// Where Stage 1 puts the two states.
     pub layouts: &'a Layouts,
-    /// What the states are held to.
-    pub goals: Goals<'a>,
-    /// How far pieces turn.
-    pub opening: Opening,
-    /// Weights of Stage 2.
-    pub stage2: &'a second::Weights,
-    /// Weights of Stage 3.
-    pub stage3: &'a third::Weights,
+    /// The kind of pattern.
+    pub family: F,
 }
 
 /// How far the optimisation has come.
-pub struct Reached {
+pub struct Reached<P> {
     /// Which of the levels.
     pub level: usize,
     /// Its pattern.
-    pub pattern: Pattern,
+    pub pattern: P,
     /// Of all phases of all levels.
     pub reports: Vec<Report>,
 }
 
-/// A pattern whose hard phase ends with more than this, in sums of squared residuals, says nothing about finer ones.
-const SOUND: f64 = 1e-6;
+/// A pattern whose hard phase begins or ends with more than this, in sums of squared residuals, says nothing about finer
+/// ones: it was torn, or far from the target.
+const SOUND: [f64; 2] = [1e-2, 1e-6];
 
 /// A level that has been optimised.
-struct Done {
+struct Done<P> {
     number: usize,
     /// The pattern of the Stage 1 map.
-    first: Pattern,
-    pattern: Pattern,
+    first: P,
+    pattern: P,
 }
 
-impl Climb<'_> {
+impl<F: Family> Climb<'_, F> {
     /// Optimises the control meshes of the coarsest grid.
     pub fn stage2(&self, run: &mut Run) -> (ControlMesh, Report) {
-        let later = self.levels.iter().enumerate().map(|(i, level)| regime(i, level).most_steps()).sum();
-        let watch = &mut |step: &Step| (run.watch)(&Step { later, ..*step });
+        let watch = &mut |step: &Step| (run.watch)(&Step { later: self.most_steps_from(0), ..*step });
         let start = stage1(&self.levels[0].cover, self.layouts);
-        self.model_cells(0, &start, "stage-2", &mut Run { journal: run.journal, watch })
-    }
-
-    fn model_cells(
-        &self,
-        level: usize,
-        start: &ControlMesh,
-        name: &str,
-        run: &mut Run,
-    ) -> (ControlMesh, Report) {
-        let Level { cover, gap } = &self.levels[level];
-        let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        let problem = second::Problem {
-            cover,
-            goals: self.goals,
-            gap: *gap,
-            cells: second::Cells::Rotating,
-            weights: self.stage2,
-        };
-        stage2(&problem, start, &options, name, run)
+        self.family.stage2(&self.levels[0], &start, "stage-2", &mut Run { journal: run.journal, watch })
     }
 
     /// Optimises the patterns of all grids, one after the other, beginning with the control meshes of the first.
-    pub fn stage3(&self, control: ControlMesh, run: &mut Run) -> Reached {
+    pub fn stage3(&self, control: ControlMesh, run: &mut Run) -> Reached<F::Pattern> {
         let mut reports = Vec::new();
         let mut model = Some(control);
-        let mut done: Option<Done> = None;
+        let mut done: Option<Done<F::Pattern>> = None;
         for (number, level) in self.levels.iter().enumerate() {
-            let Level { cover, gap } = level;
-            let map = stage1(cover, self.layouts);
-            let first = initial_pattern(cover, &map, *gap, self.opening);
-            let (begin, regime) = match (model.take(), &done) {
+            let map = stage1(&level.cover, self.layouts);
+            let first = self.family.start(level, &map);
+            let (control, refined) = match (model.take(), &done) {
                 (None, Some(below)) if is_sound(&reports) => {
-                    let control = self.refined(below, &map, cover);
-                    (initial_pattern(cover, &control, *gap, self.opening), regime(number, level))
+                    (self.refined(below, &map, &level.cover), number > 0)
                 }
-                (Some(control), _) => {
-                    (initial_pattern(cover, &control, *gap, self.opening), Regime::from_model())
-                }
+                (Some(control), _) => (control, false),
                 _ => {
-                    let (control, report) = self.model_cells(number, &map, &format!("stage-2/{number}"), run);
+                    let name = format!("stage-2/{number}");
+                    let (control, report) = self.family.stage2(level, &map, &name, run);
                     reports.push(report);
-                    (initial_pattern(cover, &control, *gap, self.opening), Regime::from_model())
+                    (control, false)
                 }
             };
+            let begin = self.family.start(level, &control);
             // Borders of trimmed grids are held to where the Stage 1 map has them, except where that was improved.
             let border = if number == 0 { begin.clone() } else { first.clone() };
-            let levels = self.levels.iter().enumerate().skip(number + 1);
-            let later: usize = levels.map(|(i, level)| self::regime(i, level).most_steps()).sum();
+            let later = self.most_steps_from(number + 1);
             let watch = &mut |step: &Step| (run.watch)(&Step { later: step.later + later, ..*step });
-            let problem = Problem { cover, goals: self.goals, gap: *gap, weights: self.stage3 };
             let mut run = Run { journal: run.journal, watch };
-            let (pattern, more) =
-                stage3(&problem, begin, &border, &regime, &format!("stage-3/{number}"), &mut run);
+            let name = format!("stage-3/{number}");
+            let (pattern, more) = self.family.stage3(level, begin, &border, refined, &name, &mut run);
             reports.extend(more);
             done = Some(Done { number, first, pattern });
             if reports.last().is_some_and(|report| report.termination == Termination::Interrupted) {
@@ -132,44 +136,46 @@ impl Climb<'_> {
         Reached { level, pattern, reports }
     }
 
+    /// Most steps of Stage 3 on this level and all finer ones.
+    fn most_steps_from(&self, number: usize) -> usize {
+        let levels = self.levels.iter().enumerate().skip(number);
+        levels.map(|(i, level)| self.family.most_steps(level, i > 0)).sum()
+    }
+
     /// The start of a level: its Stage 1 map, displaced as the pattern of a coarser level is.
-    fn refined(&self, below: &Done, map: &ControlMesh, fine: &Cover) -> ControlMesh {
+    fn refined(&self, below: &Done<F::Pattern>, map: &ControlMesh, fine: &Cover) -> ControlMesh {
         let coarse = &self.levels[below.number].cover;
-        let moved = displacement(coarse, &below.first, &below.pattern);
+        let moved = self.family.displacement(coarse, &below.first, &below.pattern);
         let mut control = map.clone();
         displace(coarse, &moved, fine, &mut control);
         control
     }
 }
 
-fn regime(number: usize, level: &Level) -> Regime {
-    if number == 0 { Regime::from_model() } else { Regime::from_coarser(level.cover.mesh.pieces.len()) }
-}
-
-/// Whether the last minimisation ended near zero.
+/// Whether the last minimisation had little to mend and ended near zero.
 fn is_sound(reports: &[Report]) -> bool {
-    let end = reports.last().and_then(|report| report.iterations.last());
-    end.is_some_and(|end| end.total() < SOUND)
+    let Some(Report { iterations, .. }) = reports.last() else { return false };
+    let ends = [iterations.first(), iterations.last()];
+    ends.iter().zip(SOUND).all(|(end, most)| end.is_some_and(|end| end.total() < most))
 }
 
-/// How far the pieces of a pattern have moved from the Stage 1 map.
-struct Displacement {
-    closed: Vec<Vector3>,
-    open: Vec<Vector3>,
+/// How far the pieces of a grid have moved from the Stage 1 map: per piece the mean over points around it, in which its
+/// turning cancels.
+pub struct Displacement {
+    /// In the closed state.
+    pub closed: Vec<Vector3>,
+    /// In the open state.
+    pub open: Vec<Vector3>,
 }
 
-/// Measures how far a pattern has moved since `first`: per piece the mean over its vertices, in which the turning of the
-/// piece cancels.
-fn displacement(cover: &Cover, first: &Pattern, pattern: &Pattern) -> Displacement {
-    let mean = |after: &[Point3], before: &[Point3], of: &Vec<usize>| {
-        of.iter().map(|&i| after[i] - before[i]).sum::<Vector3>() / of.len() as f64
-    };
-    let closed = |corners| mean(&pattern.corners, &first.corners, corners);
-    let open = |owned| mean(&pattern.open, &first.open, owned);
-    Displacement {
-        closed: cover.mesh.pieces.iter().map(closed).collect(),
-        open: cover.mesh.owned.iter().map(open).collect(),
-    }
+/// The mean displacement of each piece, from `before` to `after`; `of` gives the points of each.
+pub(super) fn mean_displacement<'a>(
+    of: impl Iterator<Item = &'a Vec<usize>>,
+    before: &[Point3],
+    after: &[Point3],
+) -> Vec<Vector3> {
+    let mean = |of: &Vec<usize>| of.iter().map(|&i| after[i] - before[i]).sum::<Vector3>() / of.len() as f64;
+    of.map(mean).collect()
 }
 
 /// Adds the displacement of a coarse pattern to the Stage 1 map of a finer one. Between the centres of pieces it is
@@ -196,7 +202,8 @@ fn displace(coarse: &Cover, moved: &Displacement, fine: &Cover, control: &mut Co
 #[cfg(test)]
 mod tests {
     use super::super::cover::{PieceSize, cover};
-    use super::super::pattern::hinge_offsets;
+    use super::super::pattern::{Opening, hinge_offsets, initial_pattern};
+    use super::super::rotating::displacement;
     use super::*;
     use crate::geometry::{Point2, Vector2};
     use crate::kirigami::control_mesh::Layout;

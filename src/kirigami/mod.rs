@@ -26,7 +26,11 @@ pub mod terms;
 
 pub mod stage2;
 
+pub mod phases;
+
 pub mod stage3;
+
+pub mod rotating;
 
 pub mod design;
 

@@ -5,9 +5,10 @@ use super::cover::Cover;
 use super::design::State;
 use super::guides::guide_terms;
 use super::pattern::{Pattern, Unknowns};
+use super::phases::Phase;
 use super::piece_mesh::{Edge, PieceMesh};
 use super::stage2::held;
-use super::stage3::{Phase, Problem};
+use super::stage3::Problem;
 use super::terms::{
     ClosedVertex, Isometry, LeastWidths, Lengths, LinearTerm, PieceAt, Planarity, PointAt, RightAngles,
 };

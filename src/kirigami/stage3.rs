@@ -8,7 +8,8 @@ use super::cover::Cover;
 use super::guides::settle;
 use super::pattern::{Pattern, Unknowns};
 use super::pattern_terms::{hard_terms, soft_terms};
-use crate::solver::{Coupling, Options, Precision, Report, Run, Step, System, Termination};
+use super::phases::{Phase, hard, most_steps, run_phases};
+use crate::solver::{Coupling, Options, Precision, Report, Run, System};
 
 /// Weights of the soft phase, for a mean edge of 1. Isometry and planarity have weight 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,17 +50,6 @@ impl Default for Weights {
     }
 }
 
-/// A run of steps with the same weights.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Phase {
-    /// Factor of closeness, boundary and shape; 0 where pieces alone count.
-    pub soft: f64,
-    /// Factor of fairness.
-    pub fair: f64,
-    /// When to stop.
-    pub options: Options,
-}
-
 /// The course of Stage 3.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regime {
@@ -68,10 +58,6 @@ pub struct Regime {
     /// Coupling of fairness, the term that reaches farthest.
     pub coupling: Coupling,
 }
-
-/// The hard phase stops at this sum of squared residuals: relative length errors near 1e-15 for a few
-/// thousand pieces.
-const HARD_FLOOR: f64 = 1e-28;
 
 /// Up to this number of pieces fairness is fully coupled. Beyond, its curvature is bounded place by place: that makes
 /// the factor six times cheaper, and long waves have been settled on coarser grids. The factor of soft phases is then in
@@ -107,7 +93,7 @@ impl Regime {
 
     /// Most steps of all phases together.
     pub fn most_steps(&self) -> usize {
-        self.phases.iter().map(|phase| phase.options.iterations).sum()
+        most_steps(&self.phases)
     }
 }
 
@@ -118,14 +104,7 @@ fn phases(soft: &[(f64, f64, usize, f64)], precision: Precision) -> Vec<Phase> {
         fair,
         options: Options { iterations, energy_tolerance, precision, ..Options::default() },
     });
-    let hard = Options {
-        iterations: 20,
-        energy_tolerance: 0.5,
-        energy_floor: HARD_FLOOR,
-        damping: 1e-6,
-        ..Options::default()
-    };
-    soft.chain([Phase { soft: 0.0, fair: 0.0, options: hard }]).collect()
+    soft.chain([hard()]).collect()
 }
 
 /// What Stage 3 works on.
@@ -160,8 +139,7 @@ pub fn stage3(
     let at = Unknowns::new(mesh, &goals);
     let mut systems = [(); 2].map(|()| System::new(at.places(cover)));
     let mut pattern = start;
-    let mut reports = Vec::new();
-    for (number, phase) in regime.phases.iter().enumerate() {
+    let reports = run_phases(&regime.phases, run, |phase, run| {
         pattern.turn_offsets(mesh, gap);
         if phase.soft > 0.0 {
             settle(goals.guides, mesh, &mut pattern);
@@ -175,17 +153,11 @@ pub fn stage3(
             }
             terms
         };
-        let later: usize = regime.phases[number + 1..].iter().map(|phase| phase.options.iterations).sum();
-        let watch = &mut |step: &Step| (run.watch)(&Step { phase: number, later, ..*step });
         let mut x = at.pack(&pattern, scale);
         let system = &mut systems[usize::from(alone)];
-        let report = run.journal.minimize(name, system, terms, &mut x, &phase.options, watch);
+        let report = run.journal.minimize(name, system, terms, &mut x, &phase.options, run.watch);
         at.unpack(&x, scale, &mut pattern);
-        let interrupted = report.termination == Termination::Interrupted;
-        reports.push(report);
-        if interrupted {
-            break;
-        }
-    }
+        report
+    });
     (pattern, reports)
 }

@@ -10,6 +10,7 @@ use crate::geometry::topology::{Defect, NotADisk};
 use crate::geometry::triangulate::TriangulateError;
 use crate::geometry::{Point2, Point3};
 use crate::kirigami::bistable::reach::OutOfReach;
+use crate::kirigami::bistable::reach::Twist;
 use crate::kirigami::cover::CoverError;
 use crate::kirigami::design::Piece;
 use crate::kirigami::feasibility::MOST_STRETCH_RATIO;
@@ -94,10 +95,10 @@ pub enum PipelineError {
     OutOfReach(#[from] Box<OutOfReach>),
     /// The optimisation did not reach the limits.
     #[error(
-        "the pattern does not reach the target: {}; it is farthest off near ({:.2}, {:.2}, {:.2}) mm. {MAP_HINT}",
-        list(.shortfalls), .at.x, .at.y, .at.z
+        "the pattern does not reach the target: {}; it is farthest off near ({:.2}, {:.2}, {:.2}) mm. {}{MAP_HINT}",
+        list(.shortfalls), .at.x, .at.y, .at.z, .twist.map_or(String::new(), twist_hint)
     )]
-    Shortfall { shortfalls: Vec<Shortfall>, at: Point3 },
+    Shortfall { shortfalls: Vec<Shortfall>, at: Point3, twist: Option<Twist> },
     #[error(transparent)]
     Guide(#[from] GuideError),
     #[error(transparent)]
@@ -116,6 +117,24 @@ pub enum PipelineError {
 
 fn list(shortfalls: &[Shortfall]) -> String {
     shortfalls.iter().map(Shortfall::to_string).collect::<Vec<_>>().join("; ")
+}
+
+/// Bistable cells that are twisted by more than this part of their side may be why a target is not reached: at half of it all
+/// tried targets were.
+const MUCH_TWIST: f64 = 0.01;
+
+fn twist_hint(Twist { by, share, at }: Twist) -> String {
+    if share < MUCH_TWIST {
+        return String::new();
+    }
+    format!(
+        "Bistable cells do not twist, and the target twists against the grid by {by:.2} mm, {:.1} % of a cell, near \
+         ({:.2}, {:.2}, {:.2}) mm: take smaller cells, or turn the mesh so that it bends along the x axis and across it. ",
+        100.0 * share,
+        at.x,
+        at.y,
+        at.z
+    )
 }
 
 impl PipelineError {

@@ -22,7 +22,7 @@ use crate::kirigami::bistable::grid::cover_cells;
 use crate::kirigami::control_mesh::{Goal, Goals, Layout, Layouts, LinearMap, Target};
 use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis};
 use crate::kirigami::design::State;
-use crate::kirigami::levels::{COARSEST, Level};
+use crate::kirigami::levels::{COARSEST, COARSEST_CELLS, Level};
 use crate::solver;
 
 /// What a state is to become, with what that needs.
@@ -339,7 +339,7 @@ fn lay(
     }
 }
 
-/// Lays the grid that the job asks for, and, for rotating pieces, coarser ones to begin with: the coarsest first.
+/// Lays the grid that the job asks for, and coarser ones to begin with: the coarsest first.
 fn grids(
     job: &Job,
     size: PieceSize,
@@ -347,8 +347,11 @@ fn grids(
 ) -> Result<Vec<Level>, CoverError> {
     let (mut size, mut gap) = (size, job.pattern.gap);
     let mut levels = vec![Level { cover: lay(size, gap)?, gap }];
-    let coarser = job.pattern.kind == Kind::RotatingRectangles;
-    while coarser && levels[levels.len() - 1].cover.mesh.pieces.len() > COARSEST {
+    let coarsest = match job.pattern.kind {
+        Kind::RotatingRectangles => COARSEST,
+        Kind::Bistable(_) => COARSEST_CELLS,
+    };
+    while levels[levels.len() - 1].cover.mesh.pieces.len() > coarsest {
         (size, gap) = (size.coarser(), 2.0 * gap);
         // Large pieces may not fit a narrow target.
         let Ok(cover) = lay(size, gap) else { break };

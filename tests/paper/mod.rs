@@ -16,9 +16,9 @@ use kirimorph::kirigami::design::{Design, Hinge, PatternKind, Piece};
 use kirimorph::kirigami::filled::open_surface;
 use kirimorph::kirigami::pattern::{Opening, Pattern, initial_pattern};
 use kirimorph::kirigami::pattern_terms::{hard_terms, soft_terms};
+use kirimorph::kirigami::phases::Phase;
 use kirimorph::kirigami::piece_mesh::Edge;
 use kirimorph::kirigami::quality::{coverage, triangles};
-use kirimorph::kirigami::stage3::Phase;
 use kirimorph::kirigami::{pattern, stage2, stage3};
 use kirimorph::solver::{Coupling, Options, Precision, Report, Step, System, Weighted};
 

@@ -14,6 +14,7 @@ use kirimorph::kirigami::hinges;
 use kirimorph::kirigami::levels::{Climb, Level, Reached};
 use kirimorph::kirigami::pattern::{Opening, Pattern, initial_pattern};
 use kirimorph::kirigami::quality::{Quality, measure};
+use kirimorph::kirigami::rotating::Rotating;
 use kirimorph::kirigami::{stage2, stage3};
 use kirimorph::solver::{Journal, Report, Run, Step};
 
@@ -60,10 +61,12 @@ pub fn solve(
     let climb = Climb {
         levels: &levels,
         layouts: &Layouts { closed: Layout::Grid, open },
-        goals: Goals::opening(&target),
-        opening: Opening::Full,
-        stage2: &weights.0,
-        stage3: &weights.1,
+        family: Rotating {
+            goals: Goals::opening(&target),
+            opening: Opening::Full,
+            stage2: &weights.0,
+            stage3: &weights.1,
+        },
     };
     let run = &mut Run { journal: &mut Journal::default(), watch: &mut |_: &Step| ControlFlow::Continue(()) };
     let (control, second) = climb.stage2(run);

@@ -92,13 +92,34 @@ impl BistableCell {
     }
 
     /// The model of a cell with other sides A and B and other stretches, the rectangle in proportion: what Eq. (2) leaves
-    /// free is chosen so that the rectangle keeps its part of the cell's area.
+    /// free is chosen so that the rectangle keeps its part of the cell's area, or is as near to that as necks of
+    /// [`LEAST_NECK_IN_GAPS`] allow.
     pub fn restretched(&self, cell: [f64; 2], stretches: [f64; 2]) -> Self {
         // Half of Eq. (2): b sin(phi) and a sin(phi). A cell that hardly opens keeps a small angle.
-        let half = [0, 1].map(|i| 0.5 * (stretches[i] - 1.0).max(LEAST_OPENING) * cell[i]);
+        let stretches = stretches.map(|m| m.max(1.0 + LEAST_OPENING));
+        let half = [0, 1].map(|i| 0.5 * (stretches[i] - 1.0) * cell[i]);
         let share = self.rectangle[0] * self.rectangle[1] / (self.cell[0] * self.cell[1]);
         let sin = (half[0] * half[1] / (share * cell[0] * cell[1])).sqrt().min(MOST_SINE);
-        Self { cell, rectangle: [half[1] / sin, half[0] / sin], phi: sin.asin(), gap: self.gap }
+        let at = |phi: f64| Self {
+            cell,
+            rectangle: [half[1], half[0]].map(|h| h / phi.sin()),
+            phi,
+            gap: self.gap,
+        };
+        let (mut near, least) = (sin.asin(), LEAST_NECK_IN_GAPS * self.gap);
+        if at(near).neck() >= least {
+            return at(near);
+        }
+        let Some(Self { phi: mut wide, .. }) =
+            Self::with_stretches(cell, stretches, self.gap, f64::NEG_INFINITY)
+        else {
+            return at(near);
+        };
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (near + wide);
+            *(if at(middle).neck() < least { &mut near } else { &mut wide }) = middle;
+        }
+        at(wide)
     }
 
     /// Checks inequalities (3), with the gap: every prolonged side meets its edge of the cell, not the next one.
@@ -143,6 +164,12 @@ impl BistableCell {
 
 /// Cells are taken to open by at least this much.
 const LEAST_OPENING: f64 = 0.02;
+
+/// Necks that models keep where they can: pieces become narrower than their models.
+const LEAST_NECK_IN_GAPS: f64 = 3.0;
+
+/// Halvings of an angle until it no longer changes a neck by more than rounding does.
+const BISECTIONS: usize = 40;
 
 /// The sine of 22.5 degrees, at which square cells can grow most.
 const MOST_SINE: f64 = 0.382_683;

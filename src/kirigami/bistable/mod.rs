@@ -19,3 +19,5 @@ pub mod reach;
 pub mod grid;
 
 pub mod optimise;
+
+pub mod family;

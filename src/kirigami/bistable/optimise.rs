@@ -13,9 +13,10 @@ use crate::geometry::{Point2, Point3};
 use crate::kirigami::control_mesh::Goals;
 use crate::kirigami::cover::Cover;
 use crate::kirigami::design::State;
+use crate::kirigami::phases::{Phase, hard, run_phases};
 use crate::kirigami::stage2::held;
 use crate::kirigami::terms::{ClosedVertex, Isometry, LinearTerm, PieceAt, Planarity, PointAt};
-use crate::solver::{Coupling, Options, Report, Run, Step, System, Term, Termination, Weighted};
+use crate::solver::{Coupling, Options, Report, Run, System, Term, Weighted};
 
 /// Weights of the soft terms, for cells of mean side 1. Isometry and flatness have weight 1.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +52,8 @@ pub struct Problem<'a> {
     pub goals: Goals<'a>,
     /// Weights.
     pub weights: &'a Weights,
+    /// Where border points are held to, where no grid follows the outline.
+    pub border: &'a BistablePattern,
 }
 
 /// Where the points stand among the unknowns.
@@ -153,40 +156,28 @@ impl Unknowns {
     }
 }
 
-/// A run of steps with the same weights: the factor of the soft terms, and when to stop.
-struct Phase {
-    soft: f64,
-    options: Options,
-}
-
-/// Soft phases whose weights phase out, and the hard one: isometry and flatness alone.
-fn phases() -> Vec<Phase> {
-    const SOFT: [(f64, usize, f64); 3] = [(1.0, 20, 1e-3), (0.1, 12, 1e-3), (0.01, 12, 1e-3)];
-    let soft = SOFT.iter().map(|&(soft, iterations, energy_tolerance)| Phase {
+/// Soft phases whose weights phase out, and the hard one: isometry and flatness alone. From a coarser pattern (`refined`)
+/// only details remain to be found.
+pub fn phases(refined: bool) -> Vec<Phase> {
+    // Factors of the soft terms, most iterations, and the relative decrease below which a phase ends.
+    const FROM_MODEL: [(f64, usize, f64); 3] = [(1.0, 20, 1e-3), (0.1, 12, 1e-3), (0.01, 12, 1e-3)];
+    const FROM_COARSER: [(f64, usize, f64); 3] = [(1.0, 4, 3e-2), (0.1, 4, 3e-2), (0.01, 3, 3e-2)];
+    let soft = if refined { FROM_COARSER } else { FROM_MODEL };
+    let soft = soft.map(|(soft, iterations, energy_tolerance)| Phase {
         soft,
+        fair: 0.0,
         options: Options { iterations, energy_tolerance, ..Options::default() },
     });
-    let hard = Options {
-        iterations: 20,
-        energy_tolerance: 0.5,
-        energy_floor: 1e-28,
-        damping: 1e-6,
-        ..Options::default()
-    };
-    soft.chain([Phase { soft: 0.0, options: hard }]).collect()
+    soft.into_iter().chain([hard()]).collect()
 }
 
-/// Most steps of all phases together.
-pub fn most_steps() -> usize {
-    phases().iter().map(|phase| phase.options.iterations).sum()
-}
-
-/// Optimises a pattern, at first that of the model cell fitted to the control meshes, whose unexpanded corners are given
+/// Optimises a pattern, at first that of the model cells fitted to the control meshes, whose unexpanded `corners` are given
 /// too. Returns it with one report per phase; `name` is that of the minimisations in the journal.
 pub fn stage3(
     problem: &Problem,
     start: BistablePattern,
     corners: &[Point3],
+    phases: &[Phase],
     name: &str,
     run: &mut Run,
 ) -> (BistablePattern, Vec<Report>) {
@@ -194,34 +185,26 @@ pub fn stage3(
     let scale = cover.cell.edge();
     let at = Unknowns::new(mesh, &goals);
     let mut grid = corners.to_vec();
-    let mut pattern = start.clone();
+    let mut pattern = start;
     let mut systems = [(); 2].map(|()| System::new(at.places(problem)));
-    let mut reports = Vec::new();
-    let phases = phases();
-    for (number, phase) in phases.iter().enumerate() {
+    let reports = run_phases(phases, run, |phase, run| {
         pattern.settle(mesh, gap);
         let terms = || {
             let mut terms = hard_terms(mesh, &at, &pattern, scale);
             if phase.soft > 0.0 {
-                terms.extend(soft_terms(problem, &start, &at, phase.soft));
+                terms.extend(soft_terms(problem, &at, phase.soft));
             }
             terms
         };
-        let later: usize = phases[number + 1..].iter().map(|phase| phase.options.iterations).sum();
-        let watch = &mut |step: &Step| (run.watch)(&Step { phase: number, later, ..*step });
         let mut x = at.pack(&pattern, &grid, scale);
         let system = &mut systems[usize::from(phase.soft == 0.0)];
-        let report = run.journal.minimize(name, system, terms, &mut x, &phase.options, watch);
+        let report = run.journal.minimize(name, system, terms, &mut x, &phase.options, run.watch);
         at.unpack(&x, scale, &mut pattern);
         for (point, slot) in grid.iter_mut().zip(&at.grid_slot) {
             *point = at.closed_at(*slot).point(&x, scale);
         }
-        let interrupted = report.termination == Termination::Interrupted;
-        reports.push(report);
-        if interrupted {
-            break;
-        }
-    }
+        report
+    });
     pattern.cross(mesh);
     (pattern, reports)
 }
@@ -249,15 +232,9 @@ fn hard_terms(
     terms.into_iter().map(|term| Weighted { term, weight: 1.0, coupling: Coupling::Full }).collect()
 }
 
-/// Closeness, boundary, fixed corners and shape. Where no grid follows the outline border points are held to where they
-/// are at the `start`.
-fn soft_terms<'a>(
-    problem: &Problem<'a>,
-    start: &BistablePattern,
-    at: &Unknowns,
-    factor: f64,
-) -> Vec<Weighted<'a>> {
-    let &Problem { cover, mesh, goals, weights, .. } = problem;
+/// Closeness, boundary, fixed corners and shape.
+fn soft_terms<'a>(problem: &Problem<'a>, at: &Unknowns, factor: f64) -> Vec<Weighted<'a>> {
+    let &Problem { cover, mesh, goals, weights, border: start, .. } = problem;
     let mut terms: Vec<(Box<dyn Term + 'a>, f64)> = vec![(Box::new(shape(problem, at)), weights.shape)];
     let by = [weights.prox, weights.boundary, weights.corners];
     let free: Vec<Vertex> =

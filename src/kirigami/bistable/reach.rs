@@ -5,6 +5,7 @@
 
 use super::cell::BistableCell;
 use crate::geometry::Point3;
+use crate::kirigami::piece_mesh::PieceMesh;
 
 /// What a place of the target asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,9 +117,51 @@ fn proposal(
     BistableCell::with_stretches(model.cell, stretches, model.gap, neck)
 }
 
+/// How far a target twists against the grid: cells bend along the grid's two directions, not across both at once, because
+/// the four pieces around a rectangle would have to leave its plane to opposite sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Twist {
+    /// Distance between the middles of an open quad's diagonals, square to the quad, millimetres.
+    pub by: f64,
+    /// Over the quad's mean side.
+    pub share: f64,
+    /// Where, in the open state.
+    pub at: Point3,
+}
+
+/// The quad of the open control mesh that is most twisted.
+pub fn most_twisted(grid: &PieceMesh, open: &[Point3]) -> Option<Twist> {
+    let twist = |quad: &Vec<usize>| {
+        let [a, b, c, d] = quad[..] else { return None };
+        let [a, b, c, d] = [a, b, c, d].map(|corner| open[corner].coords);
+        let normal = (c - a).cross(&(d - b)).try_normalize(0.0)?;
+        let by = (0.5 * normal.dot(&(a + c - b - d))).abs();
+        let sides = [b - a, c - b, d - c, a - d].map(|side| side.norm());
+        let share = by / (0.25 * sides.iter().sum::<f64>());
+        Some(Twist { by, share, at: Point3::from(0.25 * (a + b + c + d)) })
+    };
+    grid.pieces.iter().filter_map(twist).max_by(|p, q| p.share.total_cmp(&q.share))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{Point2, Vector2};
+    use crate::kirigami::cover::{PieceSize, cover};
+
+    #[test]
+    fn a_saddle_twists_along_its_straight_lines_and_not_along_its_curves() {
+        let outline = [[0.0, 0.0], [60.0, 0.0], [60.0, 40.0], [0.0, 40.0]].map(|[x, y]| Point2::new(x, y));
+        let grid = cover(&outline, &Vector2::x(), PieceSize::Counts([6, 4]), [1.0; 2], 0.0, None).unwrap();
+        let on = |height: &dyn Fn(f64, f64) -> f64| -> Vec<Point3> {
+            grid.corners.iter().map(|p| Point3::new(p.x, p.y, height(p.x, p.y))).collect()
+        };
+        // z = c x y leaves the plane of a quad of sides 10 by c 10 10 / 4 at each corner.
+        let twisted = most_twisted(&grid.mesh, &on(&|x, y| 1e-3 * x * y)).unwrap();
+        assert!((twisted.by - 0.05).abs() < 1e-4 && (twisted.share - 0.005).abs() < 1e-5, "{twisted:?}");
+        let curved = most_twisted(&grid.mesh, &on(&|x, y| 1e-3 * (x * x - y * y))).unwrap();
+        assert!(curved.by < 1e-12, "{curved:?}");
+    }
 
     fn asked(stretches: &[[f64; 2]]) -> Vec<Asked> {
         let at = |i: usize| Point3::new(i as f64, 0.0, 0.0);

@@ -14,8 +14,9 @@ use kirimorph::kirigami::control_mesh::{ControlMesh, Goals, Layout, Layouts, Lin
 use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
 use kirimorph::kirigami::pattern::{Opening, Pattern, Unknowns, initial_pattern};
 use kirimorph::kirigami::pattern_terms::{hard_terms, soft_terms};
+use kirimorph::kirigami::phases::Phase;
 use kirimorph::kirigami::stage2::{self, stage2};
-use kirimorph::kirigami::stage3::{self, Phase, Regime, stage3};
+use kirimorph::kirigami::stage3::{self, Regime, stage3};
 use kirimorph::solver::{Coupling, Journal, Options, Precision, Run, Step, Weighted};
 
 /// Pieces along a side; the last only where the environment variable [`LARGE`] is set.

@@ -1,0 +1,77 @@
+//! Rotating pieces on their way from coarse to fine.
+
+use super::control_mesh::{ControlMesh, Goals};
+use super::cover::Cover;
+use super::design::Design;
+use super::hinges;
+use super::levels::{Displacement, Family, Level, mean_displacement};
+use super::pattern::{Opening, Pattern, initial_pattern};
+use super::stage2::{self, Cells, stage2};
+use super::stage3::{self, Problem, Regime, stage3};
+use crate::solver::{Options, Report, Run};
+
+/// What Stages 2 and 3 need to know beside the grid.
+pub struct Rotating<'a> {
+    /// What the states are held to.
+    pub goals: Goals<'a>,
+    /// How far pieces turn.
+    pub opening: Opening,
+    /// Weights of Stage 2.
+    pub stage2: &'a stage2::Weights,
+    /// Weights of Stage 3.
+    pub stage3: &'a stage3::Weights,
+}
+
+impl Family for Rotating<'_> {
+    type Pattern = Pattern;
+
+    fn stage2(&self, level: &Level, start: &ControlMesh, name: &str, run: &mut Run) -> (ControlMesh, Report) {
+        let Level { cover, gap } = level;
+        let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
+        let (cells, weights) = (Cells::Rotating, self.stage2);
+        let problem = stage2::Problem { cover, goals: self.goals, gap: *gap, cells, weights };
+        stage2(&problem, start, &options, name, run)
+    }
+
+    fn start(&self, level: &Level, control: &ControlMesh) -> Pattern {
+        initial_pattern(&level.cover, control, level.gap, self.opening)
+    }
+
+    fn stage3(
+        &self,
+        level: &Level,
+        start: Pattern,
+        border: &Pattern,
+        refined: bool,
+        name: &str,
+        run: &mut Run,
+    ) -> (Pattern, Vec<Report>) {
+        let Level { cover, gap } = level;
+        let problem = Problem { cover, goals: self.goals, gap: *gap, weights: self.stage3 };
+        stage3(&problem, start, border, &regime(level, refined), name, run)
+    }
+
+    fn most_steps(&self, level: &Level, refined: bool) -> usize {
+        regime(level, refined).most_steps()
+    }
+
+    fn displacement(&self, cover: &Cover, first: &Pattern, pattern: &Pattern) -> Displacement {
+        displacement(cover, first, pattern)
+    }
+
+    fn design(&self, level: &Level, pattern: &Pattern) -> Design {
+        hinges::design(&level.cover.mesh, pattern, level.gap, self.goals.sheet_state())
+    }
+}
+
+fn regime(level: &Level, refined: bool) -> Regime {
+    if refined { Regime::from_coarser(level.cover.mesh.pieces.len()) } else { Regime::from_model() }
+}
+
+/// How far a pattern has moved since `first`.
+pub(super) fn displacement(cover: &Cover, first: &Pattern, pattern: &Pattern) -> Displacement {
+    Displacement {
+        closed: mean_displacement(cover.mesh.pieces.iter(), &first.corners, &pattern.corners),
+        open: mean_displacement(cover.mesh.owned.iter(), &first.open, &pattern.open),
+    }
+}
