@@ -26,6 +26,16 @@ pub fn oracle(program: &str) -> Option<Command> {
     Some(command)
 }
 
+/// LinuxCNC's stand-alone interpreter, from the search path.
+pub fn rs274() -> Option<PathBuf> {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&folders).map(|folder| folder.join("rs274")).find(|path| path.exists());
+    present(
+        found.unwrap_or_else(|| PathBuf::from("rs274")),
+        "run tests/run as root on Debian, or install LinuxCNC",
+    )
+}
+
 /// A fresh empty folder for one test, inside the build folder.
 pub fn fresh_folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
