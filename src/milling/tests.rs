@@ -253,4 +253,20 @@ fn probe() {
     for finding in findings.iter().take(30) {
         eprintln!("{finding}");
     }
+    let machine = std::env::var("MACHINE").unwrap_or("linuxcnc-xyzbc-trt".into());
+    let machine = crate::machine::load(&machine, std::path::Path::new(".")).unwrap();
+    let header = crate::machine::Header { spindle_rpm: tool.spindle, ..Default::default() };
+    let milled = crate::pipeline::mill::mill(&sheet, &part, &profile, &machine, &header);
+    eprintln!("milled {:?}", clock.elapsed());
+    match milled {
+        Ok(milled) => {
+            for (name, text) in &milled.program.files {
+                eprintln!("{name}: {} bytes, {} lines", text.len(), text.lines().count());
+                std::fs::write(format!("/tmp/m2/{name}"), text).unwrap();
+            }
+            let stats = crate::machine::Stats { restarts: Vec::new(), ..milled.program.stats };
+            eprintln!("{stats:#?}\n{:#?}", milled.figures);
+        }
+        Err(error) => eprintln!("{error}"),
+    }
 }

@@ -98,6 +98,11 @@ impl Strokes {
         Some(Foot { at, lean: a.lean.lerp(b.lean, part), distance: at.distance(point) })
     }
 
+    /// Lets the tool stand upright everywhere, as on a machine with three axes.
+    pub fn upright(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.lean = Vec2::ZERO);
+    }
+
     /// The largest lean of all.
     pub fn steepest(&self) -> f64 {
         self.nodes.iter().map(|node| node.lean.hypot()).fold(0.0, f64::max)

@@ -39,7 +39,10 @@ pub fn check(moves: &[Move], wanted: &Wanted) -> Moves {
         }
         if let Some(last) = step.checked_sub(1).map(|last| &moves[last]) {
             let jump = (last.to.tip - a_move.from.tip).norm() + last.to.axis.angle(&a_move.from.axis);
-            tell(&mut all.findings, Trouble::Jump, a_move.from.tip, jump, JUMP_LIMIT, step);
+            // From one program to the next the tool may be moved by hand, high above the stock.
+            if last.to.tip.z.min(a_move.from.tip.z) < RAPID_LIMIT {
+                tell(&mut all.findings, Trouble::Jump, a_move.from.tip, jump, JUMP_LIMIT, step);
+            }
         }
     }
     all
@@ -48,8 +51,8 @@ pub fn check(moves: &[Move], wanted: &Wanted) -> Moves {
 /// Tells of a value beyond its limit.
 fn tell(findings: &mut Vec<Finding>, trouble: Trouble, at: Point3, value: f64, limit: f64, step: usize) {
     let known = findings.iter().filter(|finding| finding.trouble == trouble).count();
-    // Not `>`: what is not a number is wrong.
-    if !(value <= limit) && known < 100 {
+    // What is not a number is wrong.
+    if (value > limit || value.is_nan()) && known < 100 {
         findings.push(Finding { trouble, at, value, limit, hinge: None, step: Some(step) });
     }
 }
@@ -98,7 +101,7 @@ fn heights(step: usize, a_move: &Move, wanted: &Wanted, all: &mut Moves) {
     let steep = -way.z > way.norm() * (1.5 * tool.ramp).sin().max(0.5_f64.sin()) && way.norm() > PLAY;
     let limit = if steep { tool.plunge.max(1.0) } else { tool.feed };
     tell(findings, Trouble::Feed, at, feed, limit * (1.0 + RATE_PLAY), step);
-    if !(feed > 0.0) {
+    if feed <= 0.0 || feed.is_nan() {
         findings.push(Finding { trouble: Trouble::Feed, at, value: feed, limit, hinge: None, step: Some(step) });
     }
     tell(findings, Trouble::Jump, at, a_move.from.axis.angle(&a_move.to.axis), SWING_LIMIT, step);
