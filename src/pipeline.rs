@@ -22,6 +22,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::fabrication::fabricate::ligament_lengths;
+use crate::fabrication::gaps::{half_gaps, is_even};
 use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
@@ -123,12 +124,12 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
             bistable::check_reach(job, proportions, &levels[levels.len() - 1], &layouts)?;
             let (stage2, stage3) = (&job.solver.stage2, &job.solver.bistable);
             let family = Snapping { goals, proportions, stage2, stage3 };
-            optimise(&Climb { levels: &levels, layouts: &layouts, family }, clock)?
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, job, clock)?
         }
         Kind::RotatingRectangles => {
             let (stage2, stage3) = (&job.solver.stage2, &job.solver.stage3);
             let family = Rotating { goals, opening: job.pattern.opening, stage2, stage3 };
-            optimise(&Climb { levels: &levels, layouts: &layouts, family }, clock)?
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, job, clock)?
         }
     };
     let Level { cover, .. } = levels.pop().expect("at least one level");
@@ -182,13 +183,24 @@ fn limits(job: &Job) -> Limits {
 /// Runs Stages 2 and 3 from coarse to fine. Returns the design and the reports of both stages.
 fn optimise<F: Family>(
     climb: &Climb<F>,
+    job: &Job,
     clock: &mut Clock,
 ) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
+    let profile = &job.fabrication.profile;
     let design = |level: usize, pattern: &F::Pattern| climb.family.design(&climb.levels[level], pattern);
     let (control, report) = clock.run("stage-2", |run| climb.stage2(run));
     let start = climb.family.start(&climb.levels[0], &control);
     clock.go_on(|| Some(reached("stage-2", &design(0, &start), clock)))?;
-    let Reached { level, pattern, reports } = clock.run("stage-3", |run| climb.stage3(control, run));
+    let Reached { level, mut pattern, mut reports } = clock.run("stage-3", |run| climb.stage3(control, run));
+    // Another gap than the profile's is the user's wish.
+    if F::SETTLES && climb.levels[level].gap == profile.hinge_gap() && !is_even(profile) {
+        clock.go_on(|| Some(reached("stage-3", &design(level, &pattern), clock)))?;
+        let halves = |design: &Design| half_gaps(design, profile);
+        let (settled, more) =
+            clock.run("gaps", |run| climb.family.settle(&climb.levels[level], pattern, &halves, run));
+        pattern = settled;
+        reports.extend(more);
+    }
     let design = design(level, &pattern);
     clock.go_on(|| Some(reached("stage-3", &design, clock)))?;
     Ok((design, [vec![report], reports]))

@@ -531,6 +531,7 @@ fn the_hinge_report_holds_the_rows_in_full_precision() {
             ("width_mm", ours.width),
             ("length_mm", ours.length),
             ("effective_length_mm", ours.effective_length),
+            ("pole_offset_mm", ours.pole_offset),
             ("centre_offset_mm", ours.centre_offset),
             ("strain", ours.strain),
             ("stiffness_n_mm_per_rad", ours.stiffness),
@@ -564,7 +565,7 @@ fn csv_and_json_say_the_same() {
     let found: Value = serde_json::from_slice(&output.stdout)
         .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
     assert_eq!((&found["faults"], &found["rows"]), (&json!([]), &json!(60)));
-    assert_eq!(found["header"].as_array().unwrap().len(), 25);
+    assert_eq!(found["header"].as_array().unwrap().len(), 27);
 }
 
 #[test]

@@ -4,13 +4,15 @@
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-use kurbo::Point;
+use kurbo::{Point, Rect};
+use rayon::prelude::*;
 
 use super::error::FabricationError;
 use super::ligament::MeasuredLigament;
-use super::outline::{Contour, area, contour_box};
+use super::outline::{Contour, area, contains, contour_box};
 use super::states::{corner_place, motions, other_name};
 use super::topology::{Fan, Topology};
+use super::web::segment_gap;
 use crate::geometry::rotation::RigidMotion;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge};
@@ -31,27 +33,27 @@ pub fn check_hinge_collisions(
     outlines: &[Contour],
     ligaments: &[MeasuredLigament],
 ) -> Result<(), FabricationError> {
-    for (id, (hinge, ligament)) in design.hinges.iter().zip(ligaments).enumerate() {
+    let collision = |(id, (hinge, ligament)): (usize, (&Hinge, &MeasuredLigament))| {
         let Some(axis) = hinge.axis.try_normalize(1e-9) else {
-            return Err(FabricationError::BadHinge { hinge: id, reason: "its axis has no direction".into() });
+            let reason = "its axis has no direction".into();
+            return Some(FabricationError::BadHinge { hinge: id, reason });
         };
         let [still, turned] = [(0, 0.0), (1, hinge.angle)]
             .map(|(side, angle)| seen_along_axis(&outlines[hinge.pieces[side]], hinge, axis, angle));
         let area = overlap(&[still], &[turned]);
-        if area > OVERLAP_TOLERANCE {
-            return Err(FabricationError::HingeCollision {
-                pieces: hinge.pieces,
-                hinge: id,
-                x: hinge.point.x,
-                y: hinge.point.y,
-                area,
-                angle_deg: hinge.angle.to_degrees(),
-                length: ligament.length,
-                needed: ligament.width * (0.5 * hinge.angle).tan(),
-            });
-        }
-    }
-    Ok(())
+        (area > OVERLAP_TOLERANCE).then(|| FabricationError::HingeCollision {
+            pieces: hinge.pieces,
+            hinge: id,
+            x: hinge.point.x,
+            y: hinge.point.y,
+            area,
+            angle_deg: hinge.angle.to_degrees(),
+            length: ligament.length,
+            needed: ligament.width * (0.5 * hinge.angle).tan(),
+        })
+    };
+    let hinges = design.hinges.par_iter().zip(ligaments).enumerate();
+    hinges.find_map_first(collision).map_or(Ok(()), Err)
 }
 
 /// Checks the pairs of pieces that meet at a corner or along an edge without sharing a hinge, placed by their rigid
@@ -71,15 +73,15 @@ pub fn check_corner_collisions(
         topology.fans.iter().enumerate().flat_map(|(corner, fan)| apart(fan).map(move |pair| (corner, pair)));
     let beside = topology.edges.iter().filter(|edge| edge.hinge.is_none());
     let beside = beside.filter_map(|edge| Some((edge.ends[0], [edge.left, edge.right?])));
-    for (corner, pieces) in around.chain(beside) {
+    let pairs: Vec<(usize, [usize; 2])> = around.chain(beside).collect();
+    let collision = |&(corner, pieces): &(usize, [usize; 2])| {
         let area = turned_overlap(pieces.map(|piece| (&outlines[piece], &motions[piece])));
-        if area > OVERLAP_TOLERANCE {
+        (area > OVERLAP_TOLERANCE).then(|| {
             let Point { x, y } = corner_place(design, corner);
-            let state = other_name(design);
-            return Err(FabricationError::CornerCollision { pieces, corner, x, y, area, state });
-        }
-    }
-    Ok(())
+            FabricationError::CornerCollision { pieces, corner, x, y, area, state: other_name(design) }
+        })
+    };
+    pairs.par_iter().find_map_first(collision).map_or(Ok(()), Err)
 }
 
 /// The pairs of pieces around a corner that share no edge there.
@@ -139,12 +141,36 @@ fn turned_overlap(pieces: [(&Contour, &RigidMotion); 2]) -> f64 {
     overlap(&[first], &[second])
 }
 
+/// Whether the sides of two shapes cross within a box that holds all that they have in common, or one lies in the other.
+fn meet(first: &[Contour], second: &[Contour], common: Rect) -> bool {
+    let sides = |shape: &[Contour]| -> Vec<[Point; 2]> {
+        let sides = shape
+            .iter()
+            .flat_map(|contour| (0..contour.len()).map(|i| [contour[i], contour[(i + 1) % contour.len()]]));
+        let sides = sides.map(|side| side.map(|[x, y]| Point::new(x, y)));
+        sides.filter(|[a, b]| common.overlaps(Rect::from_points(*a, *b))).collect()
+    };
+    let (ours, theirs) = (sides(first), sides(second));
+    let beside = |a: &[Point; 2]| {
+        let place = Rect::from_points(a[0], a[1]);
+        theirs.iter().any(|b| place.overlaps(Rect::from_points(b[0], b[1])) && segment_gap(*a, *b).0 == 0.0)
+    };
+    let holds = |shape: &[Contour], other: &[Contour]| {
+        let inside = |contour: &Contour| shape.iter().any(|around| contains(around, contour[0]));
+        other.iter().filter(|contour| !contour.is_empty()).any(inside)
+    };
+    ours.iter().any(beside) || holds(first, second) || holds(second, first)
+}
+
 /// Area common to two shapes, each the union of contours that run counter-clockwise, square millimetres.
 pub fn overlap(first: &[Contour], second: &[Contour]) -> f64 {
     let bounds = |shape: &[Contour]| contour_box(&shape.concat());
     let common = bounds(first).intersect(bounds(second));
     // The common box bounds the overlap; most pairs end here.
     if common.width() <= 0.0 || common.height() <= 0.0 || common.area() < OVERLAP_TOLERANCE {
+        return 0.0;
+    }
+    if !meet(first, second, common) {
         return 0.0;
     }
     let shapes = first.to_vec().overlay(&second.to_vec(), OverlayRule::Intersect, FillRule::NonZero);

@@ -266,6 +266,26 @@ pub enum FabricationError {
         /// The profile's least web.
         limit: f64,
     },
+    /// A relief bar that no shortening frees from its neighbours.
+    #[error(
+        "hinge {hinge} at ({x:.2}, {y:.2}) mm: its relief bar, shortened to {length:.2} mm as far as its angle allows, leaves \
+         only {web:.3} mm of material to the next cut, but the cut needs {limit:.3} mm: take larger pieces, a target that \
+         opens less, or a narrower ligament"
+    )]
+    CrowdedHinge {
+        /// The hinge.
+        hinge: usize,
+        /// Its x.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// Free length of its ligament.
+        length: f64,
+        /// Material between the bar's groove and the next one.
+        web: f64,
+        /// The profile's least web.
+        limit: f64,
+    },
     /// The burned sheet falls apart.
     #[error(
         "the cuts would free a scrap of {area:.4} mm² at ({x:.2}, {y:.2}) mm from the sheet: take larger pieces \

@@ -10,9 +10,14 @@ pub struct MeasuredLigament {
     pub width: f64,
     /// Free length: that of the burned relief bar, or of the shorter window's straight end, millimetres.
     pub length: f64,
+    /// The free length that was asked for; it is shorter where there was no room for it.
+    pub asked: f64,
     /// Midway between the two grooves at the bar's (or straight end's) middle.
     pub centre: Point,
-    /// Distance from `centre` to the hinge point, in the sheet plane, millimetres.
+    /// How far from the hinge point its centre belongs, away from the groove that passes, so that the bent ligament turns
+    /// about the point, millimetres.
+    pub pole_offset: f64,
+    /// Distance from `centre` to there, in the sheet plane, millimetres.
     pub centre_offset: f64,
     /// Material between the relief bar's groove and the nearest groove of another hinge or slit, millimetres. Not
     /// counted: the cuts that bound the ligament, and those across the slit that passes.

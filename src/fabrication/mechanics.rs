@@ -143,6 +143,12 @@ fn plastic_length(profile: &Profile, free_length: f64) -> f64 {
     }
 }
 
+/// How far from a ligament's centre the pole lies about which its hinge turns by `angle`, millimetres, towards the groove
+/// that passes. The ligament has to stand as far off its hinge point, away from that groove.
+pub fn pole_offset(profile: &Profile, free_length: f64, angle: f64) -> f64 {
+    profile.ligament.pole.part(angle) * free_length
+}
+
 /// Strain of the outer fibre of a ligament of the profile's width, bent by `angle` over `effective_length` (> 0).
 pub fn nominal_strain(profile: &Profile, effective_length: f64, angle: f64) -> f64 {
     profile.ligament.width * angle / (2.0 * effective_length)
@@ -161,7 +167,12 @@ pub fn yield_angle(profile: &Profile, free_length: f64) -> f64 {
 
 /// Free length at which the nominal strain at `angle`, once plastic, is the profile's strain limit, millimetres.
 pub fn strain_length(profile: &Profile, angle: f64) -> f64 {
-    let effective = profile.ligament.width * angle / (2.0 * profile.material.strain_limit);
+    strain_length_at(profile, profile.material.strain_limit, angle)
+}
+
+/// Free length at which the nominal strain at `angle`, once plastic, is `strain` (> 0), millimetres.
+pub fn strain_length_at(profile: &Profile, strain: f64, angle: f64) -> f64 {
+    let effective = profile.ligament.width * angle / (2.0 * strain);
     // The free part adds to the effective length one to one, whatever the shape.
     effective - plastic_length(profile, 0.0)
 }
@@ -250,6 +261,7 @@ pub fn fatigue(material: &Material, strain: f64) -> Fatigue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::Pole;
     use std::path::Path;
 
     fn steel() -> Profile {
@@ -296,6 +308,27 @@ mod tests {
         let longer = required_length(&nylon, 0.6).unwrap();
         assert_eq!(longer, 2.0);
         close(elastic_length(&nylon, longer) / elastic_length(&nylon, 1.0), 2.5, 0.02);
+    }
+
+    #[test]
+    fn a_ligament_bent_to_an_arc_turns_about_its_pole() {
+        let mut profile = steel();
+        assert_eq!(pole_offset(&profile, 1.0, 1.0), 0.0);
+        profile.ligament.pole = Pole::Part(0.1);
+        assert_eq!(pole_offset(&profile, 2.0, 1.0), 0.2);
+        profile.ligament.pole = Pole::IdealArc;
+        // Published to three digits.
+        assert!((pole_offset(&profile, 1.0, PI / 2.0) - 0.137).abs() < 5e-4);
+        for (length, angle) in [(0.7, 2.0e-4), (0.7, 0.02), (1.3, 1.1), (1.0, 2.9_f64)] {
+            // The arc's ends are (0, 0) with direction 0 and r (sin a, 1 - cos a) with direction a; straight, the second one
+            // was (l, 0). A point of the second piece that lies `below` the middle of the straight beam on the inner side
+            // comes back to where it was: so it does as a point of the first piece.
+            let radius = length / angle;
+            let pole = kurbo::Point::new(0.5 * length, pole_offset(&profile, length, angle));
+            let arm = kurbo::Affine::rotate(angle) * (pole - kurbo::Vec2::new(length, 0.0));
+            let end = kurbo::Vec2::new(radius * angle.sin(), radius * (1.0 - angle.cos()));
+            assert!((end + arm.to_vec2() - pole.to_vec2()).hypot() < 1e-9 * length, "{angle}");
+        }
     }
 
     #[test]

@@ -4,6 +4,8 @@
 
 pub mod mechanics;
 
+pub mod gaps;
+
 pub mod notch;
 
 pub mod topology;
@@ -29,6 +31,8 @@ pub mod web;
 pub mod ligament;
 
 pub mod outline;
+
+pub mod regions;
 
 pub mod collision;
 

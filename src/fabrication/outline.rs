@@ -1,5 +1,4 @@
-//! The pieces' true outlines in the sheet state, by burning the cuts on paper: the sheet minus all cut paths at
-//! the kerf's width must be one body; minus the ligaments it must fall into one region per piece.
+//! Cuts burned on paper: what grooves of the kerf's width leave of the sheet, and measures of contours.
 
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -10,12 +9,9 @@ use i_overlay::mesh::math::MathMode;
 use kurbo::{Point, Rect};
 
 use super::cuts::ARC_TOLERANCE;
-use super::error::FabricationError;
 use super::layout::{CutKind, CutPath};
 use super::ligament::MeasuredLigament;
-use super::states::sheet_vertices;
 use super::web::nearest_on_segment;
-use crate::kirigami::design::Design;
 
 /// A closed contour: x, y in millimetres, counter-clockwise if it bounds from outside.
 pub type Contour = Vec<[f64; 2]>;
@@ -24,36 +20,6 @@ pub type Shape = Vec<Contour>;
 
 /// Distance by which the round ends' chords leave the circle, millimetres.
 const CAP_TOLERANCE: f64 = 3e-4;
-
-/// The true outline of every piece, counter-clockwise, without its halves of the ligaments, in the pieces' order.
-///
-/// `paths`: all cuts; `ligaments`: measured on them. Scraps smaller than a kerf square are ignored.
-///
-/// # Errors
-/// Scraps that come free, pieces that vanish, hang together or are pierced.
-pub fn piece_outlines(
-    design: &Design,
-    paths: &[CutPath],
-    ligaments: &[MeasuredLigament],
-    kerf: f64,
-) -> Result<Vec<Contour>, FabricationError> {
-    let scrap = kerf * kerf;
-    let mut burned = burn(paths, kerf);
-    let bodies = subtract(&sheet(paths), &burned);
-    let sizes: Vec<f64> = bodies.iter().map(|body| area(&body[0])).collect();
-    let mut by_size: Vec<usize> = (0..bodies.len()).collect();
-    by_size.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
-    if let Some(&second) = by_size.get(1)
-        && sizes[second] > scrap
-    {
-        let [x, y] = centroid(&bodies[second][0]);
-        return Err(FabricationError::FallsApart { area: sizes[second], x, y });
-    }
-    burned.extend(ligaments.iter().map(|ligament| vec![ligament_region(ligament)]));
-    let regions = subtract(&sheet(paths), &burned);
-    let regions = regions.into_iter().filter(|region| area(&region[0]) > scrap).collect();
-    match_pieces(design, regions, kerf)
-}
 
 /// What the cuts leave of the sheet: one shape per body, its outer contour counter-clockwise, then its holes clockwise.
 /// Scraps smaller than a kerf square are left out.
@@ -64,6 +30,16 @@ pub fn burned_bodies(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
 
 /// The grooves of all paths, as the tool leaves them: round ends, radius half the kerf.
 fn burn(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
+    let lines = |closed: bool| -> Vec<Contour> {
+        paths.iter().filter(|path| path.closed == closed).map(contour).collect()
+    };
+    let mut grooves = stroke(lines(false), kerf, false);
+    grooves.extend(stroke(lines(true), kerf, true));
+    grooves
+}
+
+/// The grooves along open or closed lines.
+pub fn stroke(lines: Vec<Contour>, kerf: f64, closed: bool) -> Vec<Shape> {
     // A chord over the angle a leaves a circle by r (1 - cos(a/2)).
     let step = 2.0 * (1.0 - (2.0 * CAP_TOLERANCE / kerf).min(0.1)).acos();
     let style = StrokeStyle::new(kerf)
@@ -71,12 +47,7 @@ fn burn(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
         .start_cap(LineCap::Round(step))
         .end_cap(LineCap::Round(step))
         .math(MathMode::Float);
-    let lines = |closed: bool| -> Vec<Contour> {
-        paths.iter().filter(|path| path.closed == closed).map(contour).collect()
-    };
-    let mut grooves: Vec<Shape> = lines(false).stroke(style.clone(), false);
-    grooves.extend(lines(true).stroke(style, true));
-    grooves
+    lines.stroke(style, closed)
 }
 
 fn contour(path: &CutPath) -> Contour {
@@ -92,12 +63,12 @@ fn sheet(paths: &[CutPath]) -> Shape {
     borders.into_iter().chain(windows).map(contour).collect()
 }
 
-fn subtract(subject: &Shape, clip: &Vec<Shape>) -> Vec<Shape> {
+pub(super) fn subtract(subject: &Shape, clip: &Vec<Shape>) -> Vec<Shape> {
     subject.overlay(clip, OverlayRule::Difference, FillRule::NonZero)
 }
 
 /// The ligament's free rectangle, widened to the middle of the grooves on either side.
-fn ligament_region(ligament: &MeasuredLigament) -> Contour {
+pub(super) fn ligament_region(ligament: &MeasuredLigament) -> Contour {
     let [from, to] = ligament.bar;
     let middle = from.midpoint(to);
     // A round notch has no bar; its ligament lies across the line to the groove that passes.
@@ -111,34 +82,6 @@ fn ligament_region(ligament: &MeasuredLigament) -> Contour {
         contour.reverse(); // opposite senses would cancel under the non-zero rule
     }
     contour
-}
-
-fn match_pieces(design: &Design, regions: Vec<Shape>, kerf: f64) -> Result<Vec<Contour>, FabricationError> {
-    let scrap = kerf * kerf;
-    let boxes: Vec<Rect> = regions.iter().map(|region| contour_box(&region[0])).collect();
-    let mut owner: Vec<Option<usize>> = vec![None; regions.len()];
-    let mut outlines = Vec::with_capacity(design.pieces.len());
-    for (piece, vertices) in design.pieces.iter().enumerate() {
-        let polygon: Contour = sheet_vertices(design, vertices).iter().map(|p| [p.x, p.y]).collect();
-        let [x, y] = inner_point(&polygon, kerf);
-        let error = |reason: String| Err(FabricationError::PieceRegion { piece, x, y, reason });
-        let holds = |&i: &usize| boxes[i].contains(Point::new(x, y)) && contains(&regions[i][0], [x, y]);
-        let Some(region) = (0..regions.len()).find(holds) else {
-            return error("is burned away or cut through at its centre".into());
-        };
-        if let Some(other) = owner[region].replace(piece) {
-            return error(format!("still hangs together with piece {other} beside the ligaments"));
-        }
-        if regions[region].iter().skip(1).any(|hole| area(hole).abs() > scrap) {
-            return error("is pierced by a cut".into());
-        }
-        outlines.push(regions[region][0].clone());
-    }
-    if let Some(region) = owner.iter().position(Option::is_none) {
-        let [x, y] = centroid(&regions[region][0]);
-        return Err(FabricationError::FallsApart { area: area(&regions[region][0]), x, y });
-    }
-    Ok(outlines)
 }
 
 /// The bounding box of a contour.
@@ -158,7 +101,7 @@ pub fn area(contour: &[[f64; 2]]) -> f64 {
 }
 
 /// Centroid of the area inside a contour; its first vertex if the area vanishes.
-fn centroid(contour: &[[f64; 2]]) -> [f64; 2] {
+pub(super) fn centroid(contour: &[[f64; 2]]) -> [f64; 2] {
     let Some(&[x, y]) = contour.first() else { return [0.0; 2] };
     let total = area(contour);
     if total == 0.0 {

@@ -18,7 +18,7 @@ use super::test_sheet::{TestSheet, profile, sheets};
 use super::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
-use crate::profile::Profile;
+use crate::profile::{Pole, Process, Profile};
 
 /// Rounding of coordinates of some 100 mm through a few dozen operations.
 const ROUNDING: f64 = 1e-9;
@@ -36,7 +36,7 @@ fn refused(design: &Design, profile: &Profile, length: f64) -> FabricationError 
 fn cuts(design: &Design, profile: &Profile, length: f64) -> (CutSet, Vec<MeasuredLigament>) {
     let (set, _) = cuts_of(design, profile, &vec![length; design.hinges.len()]).unwrap();
     let index = CutIndex::new(&set.paths);
-    let ligaments = measure_ligaments(&design.hinges, &set, &index, profile.cut.kerf);
+    let ligaments = measure_ligaments(&design.hinges, &set, &index, profile);
     (set, ligaments)
 }
 
@@ -105,6 +105,55 @@ fn every_ligament_is_as_wide_as_the_profile_says_and_centred_on_its_hinge() {
             // Strain of a plastic hinge: h theta / (2 l).
             let strain = 0.5 * profile.ligament.width * row.angle / row.length;
             assert!((row.strain - strain).abs() < ROUNDING && row.torque.is_none());
+        }
+    }
+}
+
+#[test]
+fn a_gap_that_carries_the_poles_puts_every_ligament_beside_its_hinge() {
+    let mut profile = profile();
+    profile.ligament.pole = Pole::Part(0.137);
+    let (sheet, phi) = sheets().remove(0);
+    let length = ligament_lengths(&sheet.design(phi), &profile).unwrap()[0];
+    let sheet = TestSheet { gap: profile.hinge_gap() - 2.0 * 0.137 * length, ..sheet };
+    let design = sheet.design(phi);
+    let made = fabricate(&design, &profile, &vec![length; design.hinges.len()]).unwrap();
+    for row in &made.hinges {
+        // At the border, too, where the border's cut makes room.
+        assert!((row.width - 0.5).abs() < ROUNDING && row.centre_offset < ROUNDING, "{row:?}");
+        assert!((row.pole_offset - 0.137 * length).abs() < ROUNDING, "{row:?}");
+    }
+    // A gap without it leaves what is missing, at all hinges but those of the border.
+    let sheet = TestSheet { gap: profile.hinge_gap(), ..sheet };
+    let made = fabricate(&sheet.design(phi), &profile, &vec![length; design.hinges.len()]).unwrap();
+    let off: Vec<f64> =
+        made.hinges.iter().map(|row| row.centre_offset).filter(|off| *off > ROUNDING).collect();
+    assert!(off.len() > 8 && off.iter().all(|off| (off - 0.137 * length).abs() < ROUNDING), "{off:?}");
+}
+
+#[test]
+fn milled_walls_set_apart_are_two_grooves_with_every_ligament_on_its_hinge() {
+    let mut profile = profile();
+    (profile.process, profile.cut.kerf) = (Process::Milling, 0.5);
+    for apart in [0.0, 0.05, 0.12, 0.13] {
+        let gap = profile.hinge_gap() + 2.0 * apart;
+        let sheet = TestSheet::rectangle([4, 3], [16.0, 14.0], gap);
+        let design = sheet.design(0.5);
+        let lengths = vec![1.4; design.hinges.len()];
+        let made = fabricate(&design, &profile, &lengths);
+        if apart > 0.125 {
+            // More than half a groove: a core would be left at the wide face.
+            let error = made.unwrap_err().to_string();
+            assert!(error.contains("0.260 mm wider than the tool") && error.contains("0.250 mm"), "{error}");
+            continue;
+        }
+        let made = made.unwrap();
+        let inner = if apart > 0.0 { 2 * 6 } else { 6 };
+        let exits = 5;
+        assert_eq!(count(&made.layout.paths, CutKind::Slit), inner + exits);
+        assert_eq!(made.outlines.len(), 12);
+        for row in &made.hinges {
+            assert!((row.width - 0.5).abs() < ROUNDING && row.centre_offset < ROUNDING, "{row:?}");
         }
     }
 }
@@ -220,9 +269,12 @@ fn webs_below_the_limit_are_found_where_they_are() {
     let FabricationError::Web { web, limit, .. } = error else { panic!("{error}") };
     assert!((web - 0.5).abs() < ROUNDING && limit == 0.51);
     // The end of one bar approaches the next corner's bar, which stands across it: 5 - 0.55 - l/2 of material.
-    let error = refused(&design, &profile(), 8.3);
-    let FabricationError::Web { first, second, web, x, y, .. } = error else { panic!("{error}") };
-    assert_eq!((first, second), ("relief", "relief"));
+    // Its strain allows no shorter one.
+    let mut brittle = profile();
+    (brittle.material.strain_limit, brittle.material.elongation) = (0.04, 0.04);
+    let error = refused(&design, &brittle, 8.3);
+    let FabricationError::CrowdedHinge { web, x, y, length, .. } = error else { panic!("{error}") };
+    assert!((length - 8.3).abs() < ROUNDING);
     assert!((web - (5.0 - 0.55 - 4.15)).abs() < 0.03, "{web}");
     assert!((5.0..25.1).contains(&x) && (5.0..25.1).contains(&y));
 }

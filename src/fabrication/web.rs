@@ -1,6 +1,7 @@
 //! How much material stands between cuts.
 
 use kurbo::Point;
+use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, PointDistance, RTree};
 
@@ -65,14 +66,14 @@ pub fn check_webs(
     min_web: f64,
 ) -> Result<(), FabricationError> {
     let needed = kerf + min_web;
-    let mut worst: Option<(f64, Point, [usize; 2])> = None;
     let mut touches = vec![Vec::new(); paths.len()];
     for touch in on_purpose {
         touches[touch.paths[0]].push((touch.paths[1], touch.point));
         touches[touch.paths[1]].push((touch.paths[0], touch.point));
     }
-    for segment in &index.tree {
+    let narrowest = |segment: &&Segment| {
         let [a, b] = ends(segment);
+        let mut worst: Option<(f64, Point, [usize; 2])> = None;
         let low = [a.x.min(b.x) - needed, a.y.min(b.y) - needed];
         let high = [a.x.max(b.x) + needed, a.y.max(b.y) + needed];
         for other in index.tree.locate_in_envelope_intersecting(&AABB::from_corners(low, high)) {
@@ -83,11 +84,16 @@ pub fn check_webs(
             let meets = touches[segment.data]
                 .iter()
                 .any(|&(path, point)| path == other.data && point.distance(at) < 2.0 * needed);
-            if !meets && worst.is_none_or(|(least, ..)| gap < least) {
-                worst = Some((gap, at, [segment.data, other.data]));
+            let pair = [segment.data, other.data];
+            if !meets && worst.is_none_or(|(least, _, narrow)| (gap, pair) < (least, narrow)) {
+                worst = Some((gap, at, pair));
             }
         }
-    }
+        worst
+    };
+    let segments: Vec<&Segment> = index.tree.iter().collect();
+    let worst =
+        segments.par_iter().filter_map(narrowest).min_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
     // A micrometre: ligaments may be exactly as wide as the least web.
     match worst {
         Some((gap, at, pair)) if gap < needed - 1e-3 => {

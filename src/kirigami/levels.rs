@@ -56,6 +56,21 @@ pub trait Family {
 
     /// The pieces and hinges of a pattern.
     fn design(&self, level: &Level, pattern: &Self::Pattern) -> Design;
+
+    /// Whether hinge points may stand apart by what each of them needs.
+    const SETTLES: bool = false;
+
+    /// Moves hinge points to the distances from their corners' midpoints that `halves` gives for a design, in the order of
+    /// its hinges; `None` where they are to stay.
+    fn settle(
+        &self,
+        _level: &Level,
+        pattern: Self::Pattern,
+        _halves: &dyn Fn(&Design) -> Option<Vec<f64>>,
+        _run: &mut Run,
+    ) -> (Self::Pattern, Vec<Report>) {
+        (pattern, Vec::new())
+    }
 }
 
 /// What all levels have in common.

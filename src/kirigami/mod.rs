@@ -32,6 +32,8 @@ pub mod stage3;
 
 pub mod rotating;
 
+pub mod uneven;
+
 pub mod design;
 
 pub mod hinges;

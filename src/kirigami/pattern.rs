@@ -39,6 +39,19 @@ impl Pattern {
         self.offsets = hinge_offsets(mesh, &self.corners, gap);
         self.rises = hinge_rises(mesh, &self.corners);
     }
+
+    /// The same where the hinge points of inner edges stand `halves` from their corners' midpoints instead of half a gap;
+    /// those values are in the order of the inner edges.
+    pub fn spread_offsets(&mut self, mesh: &PieceMesh, gap: f64, halves: &[f64]) {
+        self.turn_offsets(mesh, gap);
+        let inner = self.offsets.iter_mut().zip(&mesh.edges).filter(|(_, edge)| !edge.is_border());
+        for ((offset, _), half) in inner.zip(halves) {
+            // Where no slit passes there is no direction.
+            if let Some(normal) = offset.try_normalize(1e-9) {
+                *offset += normal * (half - 0.5 * gap);
+            }
+        }
+    }
 }
 
 /// The directions in which the hinge points of a closed corner are lifted: the first one along the sheet's normal, the

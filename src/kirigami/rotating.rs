@@ -7,6 +7,7 @@ use super::hinges;
 use super::levels::{Displacement, Family, Level, mean_displacement};
 use super::pattern::{Opening, Pattern, initial_pattern};
 use super::stage2::{self, Cells, stage2};
+use super::uneven;
 use super::stage3::{self, Problem, Regime, stage3};
 use crate::solver::{Options, Report, Run};
 
@@ -61,6 +62,21 @@ impl Family for Rotating<'_> {
 
     fn design(&self, level: &Level, pattern: &Pattern) -> Design {
         hinges::design(&level.cover.mesh, pattern, level.gap, self.goals.sheet_state())
+    }
+
+    const SETTLES: bool = true;
+
+    fn settle(
+        &self,
+        level: &Level,
+        pattern: Pattern,
+        halves: &dyn Fn(&Design) -> Option<Vec<f64>>,
+        run: &mut Run,
+    ) -> (Pattern, Vec<Report>) {
+        let Level { cover, gap } = level;
+        let even = vec![0.5 * gap; cover.mesh.edges.len()];
+        let halves = |pattern: &Pattern| halves(&self.design(level, pattern)).unwrap_or_else(|| even.clone());
+        uneven::settle(cover, &self.goals, (pattern, *gap), halves, run)
     }
 }
 

@@ -91,6 +91,8 @@ pub struct Cut {
     pub min_web: f64,
     /// Cutting speed, millimetres per second, over all passes together.
     pub speed: f64,
+    /// How far beside a groove the heat changes the material, millimetres; `None` where unknown.
+    pub heat_affected: Option<f64>,
 }
 
 /// The piece of material that is left at each hinge, between the end of one groove and the wall of another.
@@ -100,6 +102,30 @@ pub struct Ligament {
     pub width: f64,
     /// How it gets its length.
     pub shape: Shape,
+    /// Where it turns.
+    pub pole: Pole,
+}
+
+/// Where a bent ligament turns: how far from its centre the pole of its finite rotation lies, towards the groove that
+/// passes, as a part of its free length. Negative: towards the slit that ends there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pole {
+    /// The same part at all angles; 0 is the centre.
+    Part(f64),
+    /// A beam bent to an arc of constant curvature: 1/a - cot(a/2)/2 at the angle a, 0.137 at a right angle.
+    IdealArc,
+}
+
+impl Pole {
+    /// The part of the length at an angle of 0 to less than pi.
+    pub fn part(self, angle: f64) -> f64 {
+        match self {
+            Self::Part(part) => part,
+            // The next term of the series is angle^3 / 720.
+            Self::IdealArc if angle < 1e-3 => angle / 12.0,
+            Self::IdealArc => 1.0 / angle - 0.5 / (0.5 * angle).tan(),
+        }
+    }
 }
 
 /// How a ligament gets its length.

@@ -5,7 +5,7 @@ use toml::Spanned;
 
 use super::machine::{RawMachine, machine};
 use super::tool::{RawTool, TOOL_RADIUS, tool};
-use super::{Beam, Cut, Ligament, Material, Process, Profile, Shape, Sheet};
+use super::{Beam, Cut, Ligament, Material, Pole, Process, Profile, Shape, Sheet};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
 pub(crate) const SHEET_SIDE: Limits =
@@ -52,6 +52,18 @@ const MIN_WEB: Limits = Limits::new(
     50.0,
     "mm",
     "thinner strips burn away; a wider demand than 50 mm leaves no room for pieces",
+);
+const HEAT_AFFECTED: Limits = Limits::new(
+    0.0,
+    5.0,
+    "mm",
+    "beside a laser's groove it is some hundredths to some tenths of a millimetre",
+);
+const POLE_OFFSET: Limits = Limits::new(
+    -0.5,
+    0.5,
+    "",
+    "a part of the ligament's length, towards the groove that passes: 0 is its centre, an arc of 90 degrees has 0.137",
 );
 const CUTTING_SPEED: Limits = Limits::new(
     0.01,
@@ -118,6 +130,7 @@ struct RawLaser {
     kerf_mm: Spanned<f64>,
     min_web_mm: Spanned<f64>,
     cutting_speed_mm_per_s: Spanned<f64>,
+    heat_affected_mm: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -129,6 +142,14 @@ struct RawLigament {
     max_length_mm: Option<Spanned<f64>>,
     root_compliance: Option<Spanned<f64>>,
     extra_length_mm: Option<Spanned<f64>>,
+    pole_offset: Option<Spanned<RawPole>>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "not a part of the length, as 0.0, nor \"ideal-arc\"")]
+enum RawPole {
+    Part(f64),
+    Word(String),
 }
 
 /// Reads and checks the text of a profile. `name` becomes the profile's name, `file` stands in messages.
@@ -215,6 +236,7 @@ fn cut(source: &TomlSource, raw: &RawProfile, process: Process, sheet: &Sheet) -
             kerf: source.number(&laser.kerf_mm, &KERF)?,
             min_web: source.number(&laser.min_web_mm, &MIN_WEB)?,
             speed: source.number(&laser.cutting_speed_mm_per_s, &CUTTING_SPEED)?,
+            heat_affected: source.optional(laser.heat_affected_mm.as_ref(), &HEAT_AFFECTED)?,
         }),
         (Process::Milling, None, Some(tool)) => {
             let used = self::tool(source, tool, sheet.thickness)?;
@@ -224,6 +246,7 @@ fn cut(source: &TomlSource, raw: &RawProfile, process: Process, sheet: &Sheet) -
                 kerf: 2.0 * source.number(&tool.radius_mm, &TOOL_RADIUS)?,
                 min_web: source.number(&tool.min_web_mm, &MIN_WEB)?,
                 speed: used.feed / 60.0 / passes,
+                heat_affected: None,
             })
         }
         (Process::Laser, ..) => {
@@ -273,7 +296,21 @@ fn ligament(source: &TomlSource, raw: &RawLigament) -> Result<Ligament, TomlErro
             return Err(source.value_error(span, what, "how the ligament gets its length"));
         }
     };
-    Ok(Ligament { width: source.number(&raw.width_mm, &LIGAMENT_WIDTH)?, shape })
+    let pole = raw.pole_offset.as_ref().map_or(Ok(Pole::Part(0.0)), |value| pole(source, value))?;
+    Ok(Ligament { width: source.number(&raw.width_mm, &LIGAMENT_WIDTH)?, shape, pole })
+}
+
+fn pole(source: &TomlSource, value: &Spanned<RawPole>) -> Result<Pole, TomlError> {
+    match value.get_ref() {
+        RawPole::Part(part) => {
+            Ok(Pole::Part(source.number(&Spanned::new(value.span(), *part), &POLE_OFFSET)?))
+        }
+        RawPole::Word(word) if word == "ideal-arc" => Ok(Pole::IdealArc),
+        RawPole::Word(_) => {
+            let what = "not known: allowed is a part of the length or \"ideal-arc\"";
+            Err(source.value_error(value.span(), what, POLE_OFFSET.reason))
+        }
+    }
 }
 
 fn beam(source: &TomlSource, raw: &RawLigament) -> Result<Beam, TomlError> {

@@ -99,12 +99,28 @@ fn a_milled_groove_is_as_wide_as_its_tool_and_ends_in_the_notch() {
     let profile = read(&nylon()).unwrap();
     assert_eq!(profile.process, Process::Milling);
     // 300 mm/min in ten passes of 0.5 mm and one more at full depth, each there and back.
-    assert_eq!(profile.cut, Cut { kerf: 1.0, min_web: 0.5, speed: 5.0 / 22.0 });
+    assert_eq!(profile.cut, Cut { kerf: 1.0, min_web: 0.5, speed: 5.0 / 22.0, heat_affected: None });
     assert_eq!((profile.hinge_gap(), profile.ligament_lengths()), (1.5, [1.0, 1.0]));
     assert_eq!(profile.material.conditioned_modulus, Some(1500.0));
     let longer = read(&with(&nylon(), "ligament.extra_length_mm", "1.0")).unwrap();
     assert_eq!(longer.ligament_lengths(), [2.0, 2.0]);
     assert_eq!(longer.hinge_gap(), 1.5);
+}
+
+#[test]
+fn the_pole_of_a_ligament_is_a_part_of_its_length_or_that_of_an_arc() {
+    let with = |value: &str| steel().replace("[ligament]\n", &format!("[ligament]\npole_offset = {value}\n"));
+    assert_eq!(read(&steel()).unwrap().ligament.pole, Pole::Part(0.0));
+    for (value, pole) in
+        [("0.1", Pole::Part(0.1)), ("-0.2", Pole::Part(-0.2)), ("\"ideal-arc\"", Pole::IdealArc)]
+    {
+        assert_eq!(read(&with(value)).unwrap().ligament.pole, pole);
+    }
+    for (value, says) in [("0.6", "allowed is"), ("\"arc\"", "\"ideal-arc\""), ("true", "\"ideal-arc\"")] {
+        let found = diagnostic(&with(value));
+        assert_eq!(found.key, "ligament.pole_offset");
+        assert!(found.to_string().contains(says), "{found}");
+    }
 }
 
 #[test]

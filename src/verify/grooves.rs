@@ -5,6 +5,7 @@ use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 
 use crate::fabrication::layout::CutPath;
+use crate::fabrication::web::nearest_on_segment;
 
 /// Distance between a true arc and its chords, millimetres: a twentieth of the finest limit.
 pub(super) const FLAT: f64 = 5e-4;
@@ -34,7 +35,27 @@ pub(super) struct Grooves<'a> {
     pub segments: Vec<Segment>,
     /// Length of every cut.
     pub lengths: Vec<f64>,
-    tree: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
+    tree: Lines,
+    /// How far from a place its nearest groove usually is at most, millimetres.
+    reach: f64,
+}
+
+/// Straight lines by place, with their numbers.
+pub(super) type Lines = RTree<GeomWithData<Line<[f64; 2]>, usize>>;
+
+/// The line that is nearest to a point, the first of several, and its distance; looked for within `reach` first, which
+/// takes less time than anywhere.
+pub(super) fn nearest_line(tree: &Lines, point: Point, reach: f64) -> Option<(f64, usize)> {
+    let measured = |line: &GeomWithData<Line<[f64; 2]>, usize>| {
+        let ends = [line.geom().from, line.geom().to].map(|[x, y]| Point::new(x, y));
+        (nearest_on_segment(point, ends).distance(point), line.data)
+    };
+    let Rect { x0, y0, x1, y1 } = around(point, reach);
+    let near = tree.locate_in_envelope_intersecting(&AABB::from_corners([x0, y0], [x1, y1])).map(measured);
+    let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    nearest
+        .filter(|(distance, _)| *distance <= reach)
+        .or_else(|| tree.nearest_neighbor(&[point.x, point.y]).map(measured))
 }
 
 impl<'a> Grooves<'a> {
@@ -58,7 +79,9 @@ impl<'a> Grooves<'a> {
             GeomWithData::new(Line::new(from, to), index)
         };
         let tree = RTree::bulk_load(segments.iter().enumerate().map(line).collect());
-        Self { paths, segments, lengths, tree }
+        // Pieces are a few segments wide.
+        let reach = 0.25 * lengths.iter().sum::<f64>() / segments.len().max(1) as f64;
+        Self { paths, segments, lengths, tree, reach }
     }
 
     /// Indices of the segments whose boxes meet a box, in no order.
@@ -69,9 +92,7 @@ impl<'a> Grooves<'a> {
 
     /// Distance from a point to the nearest centre line, and that segment's index.
     pub fn nearest(&self, point: Point) -> Option<(f64, usize)> {
-        let line = self.tree.nearest_neighbor(&[point.x, point.y])?;
-        let foot = crate::fabrication::web::nearest_on_segment(point, self.segments[line.data].ends);
-        Some((point.distance(foot), line.data))
+        nearest_line(&self.tree, point, self.reach)
     }
 }
 

@@ -4,14 +4,15 @@
 //! The width is that through the hinge point; the neck is the least distance of the two walls over the length that the
 //! hinge's angle asks of the ligament, and both walls must be that long.
 
-use kurbo::{Point, Vec2};
+use kurbo::{Point, Rect, Vec2};
 use rayon::prelude::*;
 
 use super::Wanted;
 use super::fault::{Check, Fault};
 use super::grooves::{Grooves, around};
 use super::machine_file::MachineFile;
-use crate::fabrication::mechanics::required_length;
+use crate::fabrication::layout::CutKind;
+use crate::fabrication::mechanics::{clearance_length, pole_offset, required_length, strain_length_at};
 use crate::fabrication::states::sheet_vertices;
 use crate::fabrication::web::{nearest_on_segment, segment_gap};
 use crate::kirigami::design::{Hinge, State};
@@ -30,6 +31,11 @@ const SHIFT: f64 = 0.1;
 /// How far a wall may lead away from the hinge and still bound the ligament, in ligament widths: the slit that passes
 /// bends there, where the sheet has cuts by a large angle.
 const WALL_BEND: f64 = 0.5;
+
+/// How much more than the least web may be left beside a bar that was shortened for it, millimetres.
+const CROWDED: f64 = 0.02;
+/// Cuts that meet are nearer than this, millimetres.
+const ON: f64 = 1e-3;
 
 /// Half the angle in which the far wall is looked for: wide enough for a wall that stands askew, and less than a right
 /// angle, so that cuts beside the ligament do not count.
@@ -126,17 +132,57 @@ fn ligament_of(hinge: &Hinge, grooves: &Grooves, wanted: Wanted, forced: f64) ->
             required_length(profile, hinge.angle).unwrap_or(beam.max_length)
         }
     };
+    let (inwards, pole) = match design.sheet_state {
+        Some(State::Closed) => {
+            let free = required_length(profile, hinge.angle).unwrap_or(profile.ligament_lengths()[1]);
+            (inwards(hinge, grooves, wanted), pole_offset(profile, free, hinge.angle))
+        }
+        _ => (None, 0.0),
+    };
+    // So that it turns about its point, the bent ligament's middle stands off it.
+    let point = point + pole * inwards.unwrap_or_default();
     let here = measure(grooves, point, length, profile);
+    let free = here.as_ref().map_or(length, |found| found.length[0]);
+    if free < length - LENGTH_TOLERANCE && is_crowded(grooves, point, profile) {
+        // The bar gave way to its neighbours, as far as the material bears it.
+        let least = strain_length_at(profile, profile.material.elongation, hinge.angle);
+        let least = least.max(clearance_length(profile, hinge.angle)).max(free);
+        return measure(grooves, point, least.min(length), profile);
+    }
     if forced == 0.0 || here.as_ref().is_ok_and(|found| wrong(*found, profile.ligament.width).is_empty()) {
         return here;
     }
-    let Some((_, passing)) = grooves.nearest(point) else { return here };
-    let [from, to] = grooves.segments[passing].ends;
-    let across = (to - from).normalize().turn_90();
+    let Some(inwards) = inwards else { return here };
+    Ok(Ligament { forced: forced.abs(), ..measure(grooves, point + forced * inwards, length, profile)? })
+}
+
+/// Whether the relief bar beside a ligament is as near to another cut as the process allows.
+fn is_crowded(grooves: &Grooves, point: Point, profile: &Profile) -> bool {
+    let reach = 2.0 * profile.ligament.width + profile.cut.kerf;
+    let is_bar = |&segment: &usize| grooves.paths[grooves.segments[segment].path].kind == CutKind::Relief;
+    let foot = |segment: usize| nearest_on_segment(point, grooves.segments[segment].ends).distance(point);
+    let bars = grooves.near(around(point, reach)).filter(is_bar);
+    let Some(bar) = bars.min_by(|&a, &b| foot(a).total_cmp(&foot(b)).then(a.cmp(&b))) else { return false };
+    let bar = &grooves.segments[bar];
+    let most = profile.cut.min_web + profile.cut.kerf + CROWDED;
+    let place = Rect::from_points(bar.ends[0], bar.ends[1]).inflate(most, most);
+    let others = grooves.near(place).map(|other| &grooves.segments[other]);
+    let gaps = others.filter(|other| other.path != bar.path).map(|other| segment_gap(bar.ends, other.ends).0);
+    // The slit that ends on the bar touches it.
+    gaps.into_iter().any(|gap| gap > ON && gap < most)
+}
+
+/// The unit vector square to the groove that is nearest to a hinge point, towards the hinge's pieces; `None` without one.
+fn inwards(hinge: &Hinge, grooves: &Grooves, wanted: Wanted) -> Option<Vec2> {
+    let design = wanted.design;
+    let point = Point::new(hinge.point.x, hinge.point.y);
+    let [from, to] = grooves.segments[grooves.nearest(point)?.1].ends;
+    let foot = nearest_on_segment(point, [from, to]);
+    // A round end stands opposite; on a groove that runs over the point there is no way to its foot.
+    let across = if foot.distance(point) > 1e-6 { foot - point } else { (to - from).turn_90() }.normalize();
     let vertices = hinge.pieces.iter().flat_map(|&piece| sheet_vertices(design, &design.pieces[piece]));
     let inwards: f64 = vertices.map(|vertex| across.dot(Point::new(vertex.x, vertex.y) - point)).sum();
-    let moved = point + forced * inwards.signum() * across;
-    Ok(Ligament { forced: forced.abs(), ..measure(grooves, moved, length, profile)? })
+    Some(inwards.signum() * across)
 }
 
 fn wrong(ligament: Ligament, width: f64) -> Vec<String> {

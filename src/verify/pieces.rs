@@ -14,11 +14,10 @@ use rstar::primitives::{GeomWithData, Line};
 use super::Wanted;
 use super::cut_name;
 use super::fault::{Check, Fault};
-use super::grooves::Grooves;
+use super::grooves::{Grooves, Lines, nearest_line};
 use super::machine_file::MachineFile;
 use crate::fabrication::layout::CutKind;
 use crate::fabrication::states::sheet_vertices;
-use crate::fabrication::web::nearest_on_segment;
 use crate::kirigami::design::{PatternKind, State};
 
 /// Largest distance between a cut and the piece's side along which it runs, on an open sheet, millimetres.
@@ -27,9 +26,6 @@ const DEVIATION: f64 = 0.02;
 /// straight past both hinges, which moves them by less than that. Windows of an expanded bistable sheet are so wide beside a
 /// hinge that their ends cut along the pieces' sides, by as much.
 const BEND: f64 = 0.5;
-
-/// How far outside of a side at the border its cut may run, in lengths of the side: it bridges the kinks between sides.
-const BRIDGED: f64 = 0.3;
 
 /// Largest distance between a cut and the line where it should run, millimetres.
 pub(super) fn limit(wanted: Wanted) -> f64 {
@@ -102,7 +98,7 @@ fn sides(wanted: Wanted) -> Vec<Side> {
                 Some(&(other, k)) if closed => {
                     ([own[0].midpoint(flat(other, k + 1)), own[1].midpoint(flat(other, k))], 0.0)
                 }
-                None if closed => (own, 0.5 * profile.hinge_gap() + BRIDGED * own[0].distance(own[1])),
+                None if closed => (own, 0.5 * profile.hinge_gap()),
                 _ => (own, 0.0),
             };
             sides.push(Side { piece, other, ends, outside });
@@ -128,7 +124,7 @@ fn check_strays(file: &MachineFile, sides: &[Side], wanted: Wanted, corner: f64,
         let [from, to] = side.ends.map(|point| [point.x, point.y]);
         GeomWithData::new(Line::new(from, to), i)
     };
-    let tree = RTree::bulk_load(sides.iter().enumerate().map(line).collect());
+    let tree: Lines = RTree::bulk_load(sides.iter().enumerate().map(line).collect());
     let profile = wanted.profile;
     let bar = 0.5 * profile.ligament_lengths()[1] + profile.ligament.width + profile.cut.kerf;
     let limit = limit(wanted);
@@ -141,9 +137,8 @@ fn check_strays(file: &MachineFile, sides: &[Side], wanted: Wanted, corner: f64,
         let points = vertices.iter().map(|vertex| vertex.point).chain(middles);
         let mut worst = (0.0, limit, vertices[0].point);
         for point in points {
-            let Some(near) = tree.nearest_neighbor(&[point.x, point.y]) else { continue };
-            let side = &sides[near.data];
-            let distance = point.distance(nearest_on_segment(point, side.ends));
+            let Some((distance, near)) = nearest_line(&tree, point, bar) else { continue };
+            let side = &sides[near];
             let at_corner = side.ends.iter().any(|end| end.distance(point) <= corner);
             let limit = if at_corner || path.kind == CutKind::Relief { bar } else { limit + side.outside };
             if distance - limit > worst.0 - worst.1 {

@@ -89,7 +89,7 @@ fn corner_vertices(plan: &Plan<'_>, arrives: usize, leaves: usize) -> Vec<PathVe
     match frame.kind {
         CornerKind::BorderHinge { hinged } => {
             let hinges = plan.hinges_of(&[hinged]);
-            let foot = frame.middle - 0.5 * plan.gap * frame.normal;
+            let foot = frame.middle - (0.5 * plan.gap - frame.shift) * frame.normal;
             let before = border_stretch(plan, corner, arrives, foot, &hinges) * frame.tangent;
             let after = border_stretch(plan, corner, leaves, foot, &hinges) * frame.tangent;
             vec![straight(foot - before), straight(foot + after)]

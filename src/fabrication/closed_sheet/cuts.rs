@@ -29,8 +29,8 @@ pub struct CutSet {
 pub struct HingeCuts {
     /// Its relief bar; `None` where the slit's own round end is the notch.
     pub relief: Option<usize>,
-    /// The slit that ends on the relief bar.
-    pub slit: usize,
+    /// The slit that ends on the relief bar; two where its walls are cut each for itself.
+    pub slits: Vec<usize>,
     /// What bounds the ligament on its other side: the slit that passes, the border, or several cuts.
     pub passing: Vec<usize>,
     /// The relief bars and slits of the corner's other hinges, across the slits that pass.
@@ -69,6 +69,7 @@ pub fn cut_set(plan: &Plan<'_>) -> Result<CutSet, FabricationError> {
     }
     let (hinges, mut touches) = hinge_cuts(plan, &slits, &reliefs, &bars, &cuts_at);
     touches.extend(slit_touches(&slits, &paths, &cuts_at));
+    touches.extend(wall_touches(&slits, plan.kerf));
     Ok(CutSet { paths, hinges, touches, slits })
 }
 
@@ -172,6 +173,22 @@ fn slit_touches(slits: &[Slit], paths: &[CutPath], cuts_at: &[Vec<usize>]) -> Ve
     touches
 }
 
+/// Along the two walls of a slit that are cut each for itself; a kerf apart, so that no place between is far from one.
+fn wall_touches(slits: &[Slit], kerf: f64) -> Vec<Touch> {
+    let mut touches = Vec::new();
+    for (first, pair) in slits.windows(2).enumerate() {
+        if pair[0].corners != pair[1].corners || pair[0].hinges != pair[1].hinges {
+            continue;
+        }
+        for ends in pair[0].points.windows(2) {
+            let count = (ends[0].distance(ends[1]) / kerf).ceil().max(1.0);
+            let at = (0..=count as usize).map(|i| ends[0].lerp(ends[1], i as f64 / count));
+            touches.extend(at.map(|point| Touch { paths: [first, first + 1], point }));
+        }
+    }
+    touches
+}
+
 fn pairs(items: &[usize]) -> impl Iterator<Item = [usize; 2]> {
     (0..items.len()).flat_map(move |i| (i + 1..items.len()).map(move |j| [items[i], items[j]]))
 }
@@ -183,10 +200,10 @@ fn hinge_cuts(
     bars: &[Option<usize>],
     cuts_at: &[Vec<usize>],
 ) -> (Vec<HingeCuts>, Vec<Touch>) {
-    let mut slit_of_hinge = vec![0; reliefs.len()];
+    let mut slits_of_hinge = vec![Vec::new(); reliefs.len()];
     for (index, slit) in slits.iter().enumerate() {
         for hinge in slit.hinges.iter().flatten() {
-            slit_of_hinge[*hinge] = index;
+            slits_of_hinge[*hinge].push(index);
         }
     }
     let mut hinges = Vec::with_capacity(reliefs.len());
@@ -201,9 +218,13 @@ fn hinge_cuts(
         let edges = &plan.topology.fans[hinge.corner].edges;
         let others = edges.iter().filter_map(|&other| plan.topology.edges[other].hinge_at(hinge.corner));
         let others = others.filter(|&other| other != id);
-        let across = others.flat_map(|other| bars[other].into_iter().chain([slit_of_hinge[other]])).collect();
-        touches.extend(relief.map(|relief| Touch { paths: [slit_of_hinge[id], relief], point: end }));
-        hinges.push(HingeCuts { relief, slit: slit_of_hinge[id], passing, across, normal });
+        let across =
+            others.flat_map(|other| bars[other].into_iter().chain(slits_of_hinge[other].iter().copied()));
+        let across = across.collect();
+        let own = slits_of_hinge[id].clone();
+        let meet = relief.into_iter().flat_map(|relief| own.iter().map(move |&slit| [slit, relief]));
+        touches.extend(meet.map(|paths| Touch { paths, point: end }));
+        hinges.push(HingeCuts { relief, slits: own, passing, across, normal });
     }
     (hinges, touches)
 }

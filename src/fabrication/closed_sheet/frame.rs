@@ -19,9 +19,10 @@
 use kurbo::{Point, Vec2};
 
 use crate::fabrication::error::FabricationError;
-use crate::fabrication::topology::{Fan, Topology};
+use crate::fabrication::mechanics::pole_offset;
+use crate::fabrication::topology::{EdgeHinge, Fan, Topology};
 use crate::kirigami::design::Design;
-use crate::profile::Profile;
+use crate::profile::{Process, Profile};
 
 /// What a corner is for the cuts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -84,7 +85,16 @@ pub struct CornerFrame {
     pub normal: Vec2,
     /// Unit tangent of it; zero likewise.
     pub tangent: Vec2,
+    /// At an inner corner how far the two walls of the slit that passes are set apart, each from the centre line: along the
+    /// normal, and against it. 0 where one groove cuts both.
+    pub spread: [f64; 2],
+    /// At a border hinge how far along the normal its ligament's centre stands off the hinge point, so that it turns about
+    /// it. At other corners the design has left room for that.
+    pub shift: f64,
 }
+
+/// Walls that are set apart by less than this need no two grooves, millimetres.
+const LEAST_SPREAD: f64 = 2e-3;
 
 /// The frames of all corners.
 ///
@@ -117,9 +127,60 @@ pub fn corner_frames(
             let reason = "the far ends of its edges coincide: the design has collapsed there";
             return Err(corner_error(design, corner, reason));
         }
-        Ok(CornerFrame { middle: middle(design, corner), kind, normal, tangent })
+        let place = (middle(design, corner), normal);
+        let spread = spread(design, topology, (kind, place), lengths, profile).map_err(|[width, limit]| {
+            let reason = format!(
+                "the slit that passes its two hinges is {width:.3} mm wider than the tool, at most {limit:.3} mm can be \
+                 cleared in two passes: use a larger tool, a thinner sheet or smaller pieces, whose axes tilt less"
+            );
+            corner_error(design, corner, &reason)
+        })?;
+        let shift = match kind {
+            CornerKind::BorderHinge { hinged } => pole_at(design, topology, hinged, lengths, profile),
+            _ => 0.0,
+        };
+        Ok(CornerFrame { middle: place.0, kind, normal, tangent, spread, shift })
     };
     topology.fans.iter().enumerate().map(frame_at).collect()
+}
+
+/// How far the ligament on an edge stands off its hinge point.
+fn pole_at(design: &Design, topology: &Topology, edge: usize, lengths: &[f64], profile: &Profile) -> f64 {
+    let hinge = topology.edges[edge].hinge;
+    hinge.map_or(0.0, |EdgeHinge { id, .. }| pole_offset(profile, lengths[id], design.hinges[id].angle))
+}
+
+/// How far the two walls of the slit that passes a corner are set apart: a tool that rules them, each along its own
+/// hinge's axis, needs more room than its diameter, and the design has left it. A laser cuts both at once.
+///
+/// # Errors
+/// By how much the slit is wider than the groove, and the most that two passes clear.
+fn spread(
+    design: &Design,
+    topology: &Topology,
+    (kind, (middle, normal)): (CornerKind, (Point, Vec2)),
+    lengths: &[f64],
+    profile: &Profile,
+) -> Result<[f64; 2], [f64; 2]> {
+    let CornerKind::Inner { hinged, .. } = kind else { return Ok([0.0; 2]) };
+    let [Some(above), Some(below)] = hinged.map(|edge| topology.edges[edge].hinge) else {
+        return Ok([0.0; 2]);
+    };
+    if profile.process != Process::Milling {
+        return Ok([0.0; 2]);
+    }
+    let beyond = |hinge: EdgeHinge, normal: Vec2, edge: usize| {
+        let point = design.hinges[hinge.id].point;
+        let out = (Point::new(point.x, point.y) - middle).dot(normal);
+        out + pole_at(design, topology, edge, lengths, profile) - 0.5 * profile.hinge_gap()
+    };
+    let spread = [beyond(above, normal, hinged[0]), beyond(below, -normal, hinged[1])];
+    if spread.iter().any(|&wall| wall < LEAST_SPREAD) {
+        return Ok([0.0; 2]);
+    }
+    // Walls that are k apart at one face and twice as much at the other are 1.5 k apart at mid-plane.
+    let (width, limit) = (spread[0] + spread[1], 0.5 * profile.cut.kerf);
+    if width > limit { Err([width, limit]) } else { Ok(spread) }
 }
 
 /// How far outside a border corner the border's cut turns back, beside the corner's two border edges, whose far ends are

@@ -30,6 +30,7 @@ use super::border::notch;
 use super::frame::{CornerKind, corner_error};
 use super::slit::Plan;
 use crate::fabrication::error::FabricationError;
+use crate::fabrication::mechanics::pole_offset;
 use crate::kirigami::design::Design;
 
 /// The cuts around the middle of such a corner.
@@ -210,7 +211,8 @@ fn sides(plan: &Plan<'_>, design: &Design, corner: usize, notch: Point) -> Vec<S
             if across.dot(far(edge) - middle) < 0.0 { -across } else { across }
         };
         let half_bar = 0.5 * (plan.lengths[hinge] - plan.kerf);
-        let least = (offset.length() - 0.5 * plan.gap).max(0.0);
+        let pole = pole_offset(plan.profile, plan.lengths[hinge], design.hinges[hinge].angle);
+        let least = (offset.length() + pole - 0.5 * plan.gap).max(0.0);
         let reach = [half_bar + 0.3 * plan.kerf; 2];
         Some(Side { edge, normal, radius: least, least, half_bar, reach, towards: ends })
     };
@@ -266,7 +268,7 @@ mod tests {
     use crate::fabrication::closed_sheet::cuts_of;
     use crate::fabrication::closed_sheet::ligament::measure_ligaments;
     use crate::fabrication::layout::CutKind;
-    use crate::fabrication::outline::piece_outlines;
+    use crate::fabrication::regions::piece_outlines;
     use crate::fabrication::test_sheet::profile;
     use crate::fabrication::web::{CutIndex, check_webs};
     use crate::geometry::{Point3, Vector3};
@@ -315,7 +317,7 @@ mod tests {
                 let (set, _) = cuts_of(&design, &profile, &vec![length; n]).unwrap();
                 let index = CutIndex::new(&set.paths);
                 check_webs(&set.paths, &set.touches, &index, kerf, profile.cut.min_web).unwrap();
-                let ligaments = measure_ligaments(&design.hinges, &set, &index, kerf);
+                let ligaments = measure_ligaments(&design.hinges, &set, &index, &profile);
                 for ligament in &ligaments {
                     assert!((ligament.width - profile.ligament.width).abs() < 1e-9, "{n} {ligament:?}");
                     assert!((ligament.length - length).abs() < 1e-9);
@@ -347,7 +349,7 @@ mod tests {
             let index = CutIndex::new(&set.paths);
             let webs = check_webs(&set.paths, &set.touches, &index, kerf, profile.cut.min_web);
             assert!(webs.is_ok(), "{n} {first} {wedge}: {webs:?}");
-            let ligaments = measure_ligaments(&design.hinges, &set, &index, kerf);
+            let ligaments = measure_ligaments(&design.hinges, &set, &index, &profile);
             for ligament in &ligaments {
                 assert!(
                     (ligament.width - profile.ligament.width).abs() < 1e-3,

@@ -12,6 +12,8 @@ pub mod cuts;
 
 pub mod ligament;
 
+pub mod room;
+
 #[cfg(test)]
 mod bistable_tests;
 
@@ -20,14 +22,14 @@ use std::collections::BTreeMap;
 use self::cuts::{CutSet, cut_set};
 use self::frame::corner_frames;
 use self::junction::junctions;
-use self::ligament::measure_ligaments;
+use self::room::{Fitted, crowded, fitted};
 use self::slit::Plan;
 use super::collision::{check_corner_collisions, check_hinge_collisions};
 use super::error::FabricationError;
 use super::fabricate::LaidOut;
-use super::outline::piece_outlines;
+use super::regions::piece_outlines;
 use super::topology::{Topology, topology};
-use super::web::{CutIndex, check_webs};
+use super::web::check_webs;
 use crate::kirigami::design::Design;
 use crate::profile::Profile;
 
@@ -55,10 +57,9 @@ pub fn cuts_of(
 /// Those of [`cuts_of`]; cuts too close together; pieces that fall off, hang together or collide when they open.
 pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
     let kerf = profile.cut.kerf;
-    let (cuts, topology) = cuts_of(design, profile, lengths)?;
-    let index = CutIndex::new(&cuts.paths);
-    check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.cut.min_web)?;
-    let ligaments = measure_ligaments(&design.hinges, &cuts, &index, kerf);
+    let Fitted { cuts, topology, index, ligaments } = fitted(design, profile, lengths)?;
+    check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.cut.min_web)
+        .map_err(|error| crowded(design, profile, &ligaments).unwrap_or(error))?;
     let outlines = piece_outlines(design, &cuts.paths, &ligaments, kerf)?;
     check_hinge_collisions(design, &outlines, &ligaments)?;
     check_corner_collisions(design, &topology, &outlines)?;

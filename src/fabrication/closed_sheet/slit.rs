@@ -32,6 +32,8 @@ pub struct Plan<'a> {
     pub gap: f64,
     /// Width of the burned groove, millimetres.
     pub kerf: f64,
+    /// What the cuts are made for.
+    pub profile: &'a Profile,
 }
 
 impl<'a> Plan<'a> {
@@ -41,9 +43,10 @@ impl<'a> Plan<'a> {
         frames: &'a [CornerFrame],
         junctions: &'a BTreeMap<usize, Junction>,
         lengths: &'a [f64],
-        profile: &Profile,
+        profile: &'a Profile,
     ) -> Self {
-        Plan { topology, frames, junctions, lengths, gap: profile.hinge_gap(), kerf: profile.cut.kerf }
+        let (gap, kerf) = (profile.hinge_gap(), profile.cut.kerf);
+        Plan { topology, frames, junctions, lengths, gap, kerf, profile }
     }
 
     /// Half-length of the straight stretch of the cut that passes `hinge`s at a corner, on the side of `edge`:
@@ -67,14 +70,15 @@ impl<'a> Plan<'a> {
         let frame = &self.frames[corner];
         match frame.kind {
             CornerKind::Inner { hinged, .. } => {
-                let normal = if hinged[0] == edge { frame.normal } else { -frame.normal };
-                Some((frame.middle + self.gap * normal, normal))
+                let side = usize::from(hinged[0] != edge);
+                let normal = if side == 0 { frame.normal } else { -frame.normal };
+                Some((frame.middle + (self.gap + frame.spread[side]) * normal, normal))
             }
             CornerKind::Concave { .. } | CornerKind::Tee { .. } => {
                 Some((frame.middle + self.gap * frame.normal, frame.normal))
             }
             CornerKind::BorderHinge { .. } => {
-                Some((frame.middle + 0.5 * self.gap * frame.normal, frame.normal))
+                Some((frame.middle + (0.5 * self.gap + frame.shift) * frame.normal, frame.normal))
             }
             CornerKind::Junction => {
                 let &(foot, normal) = self.junctions.get(&corner)?.feet.get(&edge)?;
@@ -98,7 +102,7 @@ pub struct Slit {
     pub exits: bool,
 }
 
-/// All slits, in the corners' order.
+/// All slits, in the corners' order. One whose two walls are cut each for itself is two, one after the other.
 pub fn slits(plan: &Plan<'_>) -> Vec<Slit> {
     let mut cut = vec![false; plan.topology.edges.len()];
     (0..plan.frames.len()).flat_map(|corner| slits_at(plan, corner, &mut cut)).collect()
@@ -119,7 +123,7 @@ fn slits_at(plan: &Plan<'_>, corner: usize, cut: &mut [bool]) -> Vec<Slit> {
     let slits = match frame.kind {
         CornerKind::Inner { hinged, passing } => passing_slits(plan, corner, hinged, passing, cut),
         CornerKind::Tee { passing, .. } | CornerKind::Bend { edges: passing } => {
-            through_slit(plan, corner, passing, cut).into_iter().collect()
+            through_slit(plan, corner, passing, cut)
         }
         CornerKind::Exit { exit } => {
             vec![ending(exit, [frame.middle].into_iter().chain(exit_point(plan, corner)).collect(), true)]
@@ -198,7 +202,7 @@ fn run(plan: &Plan<'_>, corner: usize, edge: usize, cut: &mut [bool]) -> Run {
             CornerKind::BorderHinge { .. } | CornerKind::Free => break,
         };
         let onwards = if passing[0] == edge { [edge, passing[1]] } else { [edge, passing[0]] };
-        run.points.extend(through(plan, corner, onwards));
+        run.points.extend(through(plan, corner, onwards, Vec2::ZERO));
         edge = onwards[1];
     }
     run
@@ -206,7 +210,8 @@ fn run(plan: &Plan<'_>, corner: usize, edge: usize, cut: &mut [bool]) -> Run {
 
 /// The points of a slit that comes to a corner along the first of two edges and goes on along the second: a straight
 /// stretch along the ligaments, or one point where there is none.
-fn through(plan: &Plan<'_>, corner: usize, edges: [usize; 2]) -> Vec<Point> {
+/// `aside`: how far off the centre line the cut runs there.
+fn through(plan: &Plan<'_>, corner: usize, edges: [usize; 2], aside: Vec2) -> Vec<Point> {
     let frame = &plan.frames[corner];
     let (hinges, first) = match frame.kind {
         CornerKind::Inner { hinged, passing } => (plan.hinges_of(&hinged), passing[0]),
@@ -215,23 +220,28 @@ fn through(plan: &Plan<'_>, corner: usize, edges: [usize; 2]) -> Vec<Point> {
     };
     let forwards = if edges[0] == first { frame.tangent } else { -frame.tangent };
     let reach = edges.map(|edge| plan.stretch(corner, edge, &hinges));
-    vec![frame.middle + reach[0] * forwards, frame.middle - reach[1] * forwards]
+    let middle = frame.middle + aside;
+    vec![middle + reach[0] * forwards, middle - reach[1] * forwards]
 }
 
-/// The slit through a corner to its two ends; `None` where it is cut already.
-fn through_slit(plan: &Plan<'_>, corner: usize, edges: [usize; 2], cut: &mut [bool]) -> Option<Slit> {
+/// The slit through a corner to its two ends, or its two walls; none where it is cut already.
+fn through_slit(plan: &Plan<'_>, corner: usize, edges: [usize; 2], cut: &mut [bool]) -> Vec<Slit> {
     if cut[edges[0]] {
-        return None;
+        return Vec::new();
     }
-    let [mut from, mut to] = edges.map(|edge| run(plan, corner, edge, cut));
-    let mut middle = through(plan, corner, edges);
-    if from.exits {
-        std::mem::swap(&mut from, &mut to);
-        middle.reverse();
+    let CornerFrame { normal, spread, .. } = plan.frames[corner];
+    let [from, to] = edges.map(|edge| run(plan, corner, edge, cut));
+    let (edges, from, to) = if from.exits { ([edges[1], edges[0]], to, from) } else { (edges, from, to) };
+    let slit = |aside: Vec2| {
+        let middle = through(plan, corner, edges, aside);
+        let points = from.points.iter().rev().chain(&middle).chain(&to.points).copied().collect();
+        let corners = from.corners.iter().rev().chain([&corner]).chain(&to.corners).copied().collect();
+        Slit { corners, points, hinges: [from.hinge, to.hinge], exits: to.exits }
+    };
+    if spread == [0.0; 2] {
+        return vec![slit(Vec2::ZERO)];
     }
-    let points = from.points.into_iter().rev().chain(middle).chain(to.points).collect();
-    let corners = from.corners.into_iter().rev().chain([corner]).chain(to.corners).collect();
-    Some(Slit { corners, points, hinges: [from.hinge, to.hinge], exits: to.exits })
+    vec![slit(spread[0] * normal), slit(-spread[1] * normal)]
 }
 
 /// The slit between two ligaments, and that of a narrow cut which ends on it.
@@ -249,7 +259,7 @@ fn passing_slits(
     if border(passing[1]) {
         let Some(tip) = notch(plan, corner).filter(|_| !cut[passing[0]]) else { return Vec::new() };
         let from = run(plan, corner, passing[0], cut);
-        let middle = through(plan, corner, passing);
+        let middle = through(plan, corner, passing, Vec2::ZERO);
         let points = from.points.into_iter().rev().chain(middle).chain([tip]).collect();
         let corners = from.corners.into_iter().rev().chain([corner]).collect();
         slits.push(Slit { corners, points, hinges: [from.hinge, None], exits: true });

@@ -4,6 +4,7 @@ use kurbo::Point;
 
 use super::cuts::{Flat, WindowCuts};
 use crate::fabrication::ligament::MeasuredLigament;
+use crate::fabrication::mechanics::pole_offset;
 use crate::fabrication::web::{CutIndex, nearest_on_segment};
 use crate::kirigami::design::Hinge;
 use crate::profile::{Profile, Shape};
@@ -32,11 +33,16 @@ pub fn measure_ligaments(
         let middle = short[0].midpoint(short[1]);
         let centre = middle.midpoint(nearest_on_segment(middle, long));
         let around = [first, second].map(|flat| index.nearest(flat, &flats.map(|flat| flat.path)));
+        let length = lengths[0].min(lengths[1]) + rounds;
+        let pole = pole_offset(profile, length, hinge.angle);
         MeasuredLigament {
             width: across(first, second).min(across(second, first)) - kerf,
-            length: lengths[0].min(lengths[1]) + rounds,
+            length,
+            asked: length,
             centre,
-            centre_offset: centre.distance(Point::new(hinge.point.x, hinge.point.y)),
+            pole_offset: pole,
+            // Windows are laid out about the hinge points themselves.
+            centre_offset: centre.distance(Point::new(hinge.point.x, hinge.point.y)) + pole.abs(),
             nearest_cut: around[0].min(around[1]) - kerf,
             bar: short,
         }

@@ -32,7 +32,7 @@ use self::narrow::check_rims;
 use super::collision::{check_corner_collisions, check_hinge_collisions};
 use super::error::FabricationError;
 use super::fabricate::LaidOut;
-use super::outline::piece_outlines;
+use super::regions::piece_outlines;
 use super::states::motions;
 use super::topology::{Topology, topology};
 use super::web::{CutIndex, check_webs};

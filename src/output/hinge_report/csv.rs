@@ -7,7 +7,7 @@ use super::{WriteHingesError, check, nearest_cut, verdict_name};
 use crate::fabrication::hinge_table::HingeRow;
 
 /// The header; the order is that of `hinges.json`.
-const COLUMNS: [&str; 25] = [
+const COLUMNS: [&str; 27] = [
     "id",
     "piece_j",
     "piece_k",
@@ -22,12 +22,14 @@ const COLUMNS: [&str; 25] = [
     "width_mm",
     "length_mm",
     "effective_length_mm",
+    "pole_offset_mm",
     "centre_offset_mm",
     "strain",
     "strain_class",
     "stiffness_n_mm_per_rad",
     "conditioned_stiffness_n_mm_per_rad",
     "width_margin_mm",
+    "heat_margin_mm",
     "torque_n_mm",
     "fatigue",
     "nearest_cut_mm",
@@ -77,12 +79,14 @@ fn fields(row: &HingeRow) -> [String; COLUMNS.len()] {
         fixed(row.width, MM),
         fixed(row.length, MM),
         fixed(row.effective_length, MM),
+        fixed(row.pole_offset, MM),
         fixed(row.centre_offset, MM),
         fixed(row.strain, STRAIN),
         row.strain_class.to_string(),
         fixed(row.stiffness, TORQUE),
         optional(row.conditioned_stiffness, TORQUE),
         fixed(row.width_margin, MM),
+        optional(row.heat_margin, MM),
         optional(row.torque, TORQUE),
         row.fatigue.to_string(),
         optional(nearest_cut(row), MM),
