@@ -185,7 +185,7 @@ pub fn profile() -> Profile {
             endurance_strain: Some(0.00124),
             coffin_manson: None,
         },
-        cut: Cut { kerf: 0.05, min_web: 0.35, speed: 10.0, heat_affected: None },
+        cut: Cut { kerf: 0.05, min_web: 0.35, speed: 10.0, ruled: false, heat_affected: None },
         ligament: Ligament {
             width: 0.5,
             pole: Pole::Part(0.0),

@@ -29,12 +29,15 @@ struct Milled {
 
 const THICKNESS: f64 = 5.0;
 
-/// A lattice whose axes lean by up to a tenth, more towards one corner; both hinges of a corner alike.
-fn lattice() -> Design {
-    let mut design = TestSheet::rectangle([4, 3], [14.0, 12.0], 1.5).design(0.3);
+/// A lattice whose axes lean by up to a tenth, more towards one corner, and the two hinges of a corner by `apart` to opposite
+/// sides of the slit between them.
+fn lattice(apart: f64) -> Design {
+    let mut design = TestSheet::rectangle([4, 3], [14.0, 12.0], 1.5 + 2.5 * apart).design(0.3);
     for hinge in &mut design.hinges {
         let corner = design.corners[design.pieces[hinge.pieces[0]].corners[hinge.vertices[0]]];
-        let up = Vector3::new(0.1 - 0.0025 * corner.x, 0.003 * corner.y - 0.05, 1.0).normalize();
+        let away = (hinge.point - corner).try_normalize(1e-6).unwrap_or_default() * (0.5 * apart);
+        let lean = Vector3::new(0.1 - 0.0025 * corner.x, 0.003 * corner.y - 0.05, 1.0);
+        let up = (lean + away).normalize();
         hinge.axis = hinge.axis.z.signum() * up;
     }
     design
@@ -90,8 +93,8 @@ fn changed(moves: &[Move], change: impl Fn(&Pose) -> Pose) -> Vec<Move> {
 
 #[test]
 fn lattices_are_milled_within_the_limits_closed_and_open() {
-    let closed = lattice();
-    for design in [closed.clone(), cut_open(closed)] {
+    let alike = lattice(0.0);
+    for design in [alike.clone(), lattice(0.08), cut_open(alike)] {
         let milled = milled(&design);
         let (figures, findings) = milled.inspected(&milled.moves(), 0.5);
         assert!(findings.is_empty(), "{figures:?} {:?}", findings.iter().map(ToString::to_string).collect::<Vec<_>>());
@@ -107,7 +110,7 @@ fn lattices_are_milled_within_the_limits_closed_and_open() {
 
 #[test]
 fn runs_are_closed_walks_that_go_down_away_from_ligaments_and_leave_the_border_to_the_end() {
-    let milled = milled(&lattice());
+    let milled = milled(&lattice(0.05));
     let runs = &milled.planned.path.runs;
     assert!(runs.len() > 5);
     use super::toolpath::Contour;
@@ -143,7 +146,7 @@ fn runs_are_closed_walks_that_go_down_away_from_ligaments_and_leave_the_border_t
 
 #[test]
 fn seeded_faults_are_found() {
-    let milled = milled(&lattice());
+    let milled = milled(&lattice(0.05));
     let moves = milled.moves();
     assert_eq!(milled.troubles(&moves), []);
     // The tilt's sign.
@@ -174,8 +177,8 @@ fn seeded_faults_are_found() {
     assert!(milled.troubles(&fast)[..].iter().any(|(trouble, _)| *trouble == Trouble::Rapid));
     // A way through a piece, between two cuts, that nobody lifted the tool for.
     let mut straight = moves.clone();
-    straight.retain(|a| a.rate != Rate::Rapid);
-    assert!(found(&milled.troubles(&straight), Trouble::Jump) > 1.0);
+    straight.remove(at);
+    assert!(found(&milled.troubles(&straight), Trouble::Jump) > 0.1);
     // A jump of the axis within a move.
     let mut swung = moves.clone();
     swung[at].to.axis = Unit::new_normalize(Vector3::new(0.6, 0.0, 1.0));
@@ -184,7 +187,7 @@ fn seeded_faults_are_found() {
 
 #[test]
 fn missing_passes_are_found_and_so_is_a_border_that_is_cut_first() {
-    let milled = milled(&lattice());
+    let milled = milled(&lattice(0.05));
     let of = |path: &super::toolpath::Toolpath| milled.troubles(&of_path(path, milled.tool.spindle));
     // One opening is not cut at all, another not to the bottom.
     let mut fewer = milled.planned.path.clone();

@@ -14,19 +14,23 @@ use crate::profile::{Profile, Tool};
 use crate::solid::Walls;
 use crate::solid::strokes::Strokes;
 
-/// Angles of the rotary axes between two looks at a move of a program, radians: a turn too many is seen as the cut that it
-/// makes.
-const LOOK: f64 = 0.05;
+/// Turns of a rotary axis beyond this within a move, radians, are looked at step by step: a turn too many is seen as the cut
+/// that it makes. Below it a program's moves were divided so that the axis turns evenly.
+const LOOK: f64 = 0.6;
 
 /// The machine for milled sheets of jobs that name none.
 pub const DEFAULT_MACHINE: &str = "linuxcnc-xyzbc-trt";
 
-/// How the walls of a sheet stand that this profile and machine cut.
-pub fn walls(machine: Option<&Machine>) -> Walls {
-    match machine {
-        Some(machine) if machine.rotary.is_some() => Walls::Ruled,
-        _ => Walls::Vertical,
-    }
+/// How the walls of a sheet stand.
+pub fn walls(profile: &Profile) -> Walls {
+    if profile.cut.ruled { Walls::Ruled } else { Walls::Vertical }
+}
+
+/// The profile as a machine can follow it: with three axes walls stand upright.
+#[must_use]
+pub fn on_machine(mut profile: Profile, machine: &Machine) -> Profile {
+    profile.cut.ruled &= machine.rotary.is_some();
+    profile
 }
 
 /// A verified program.
@@ -85,7 +89,7 @@ pub fn mill(
     let tool = profile.tool.as_ref().ok_or_else(|| MillError::NoTool(profile.name.clone()))?;
     let planned = plan(sheet, profile, tool, machine)?;
     let program = machine::post(&planned.path, machine, header)?;
-    let necks = necks(sheet, machine);
+    let necks = necks(sheet, profile);
     let wanted = Wanted {
         part,
         necks: &necks,
@@ -113,16 +117,16 @@ pub fn plan(
     machine: &Machine,
 ) -> Result<Planned, MillingError> {
     let mut strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * profile.cut.kerf);
-    if walls(Some(machine)) == Walls::Vertical {
+    if walls(profile) == Walls::Vertical {
         strokes.upright();
     }
     let work = Work { strokes: &strokes, hinges: &sheet.hinges, tool, thickness: profile.sheet.thickness };
     path(&work, &|a, b| air(machine, a, b))
 }
 
-/// The ligaments as a machine can make them.
-pub fn necks(sheet: &Fabrication, machine: &Machine) -> Vec<Neck> {
-    let upright = walls(Some(machine)) == Walls::Vertical;
+/// The ligaments as they can be made.
+pub fn necks(sheet: &Fabrication, profile: &Profile) -> Vec<Neck> {
+    let upright = walls(profile) == Walls::Vertical;
     sheet.hinges.iter().map(|row| Neck::new(row, upright)).collect()
 }
 

@@ -91,6 +91,8 @@ pub struct Cut {
     pub min_web: f64,
     /// Cutting speed, millimetres per second, over all passes together.
     pub speed: f64,
+    /// Whether the walls follow the hinges' tilted axes, as a mill with five axes cuts them.
+    pub ruled: bool,
     /// How far beside a groove the heat changes the material, millimetres; `None` where unknown.
     pub heat_affected: Option<f64>,
 }

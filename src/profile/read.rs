@@ -236,6 +236,7 @@ fn cut(source: &TomlSource, raw: &RawProfile, process: Process, sheet: &Sheet) -
             kerf: source.number(&laser.kerf_mm, &KERF)?,
             min_web: source.number(&laser.min_web_mm, &MIN_WEB)?,
             speed: source.number(&laser.cutting_speed_mm_per_s, &CUTTING_SPEED)?,
+            ruled: false,
             heat_affected: source.optional(laser.heat_affected_mm.as_ref(), &HEAT_AFFECTED)?,
         }),
         (Process::Milling, None, Some(tool)) => {
@@ -246,6 +247,8 @@ fn cut(source: &TomlSource, raw: &RawProfile, process: Process, sheet: &Sheet) -
                 kerf: 2.0 * source.number(&tool.radius_mm, &TOOL_RADIUS)?,
                 min_web: source.number(&tool.min_web_mm, &MIN_WEB)?,
                 speed: used.feed / 60.0 / passes,
+                // Unless the machine has three axes.
+                ruled: true,
                 heat_affected: None,
             })
         }

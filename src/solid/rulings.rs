@@ -17,7 +17,7 @@ const MAX_TILT: f64 = 45.0 * std::f64::consts::PI / 180.0;
 
 /// Largest distance between a ruled wall and its triangles, millimetres: far below what a mill holds. Beside
 /// ligaments, where all rulings are parallel, there is none.
-const WALL_TOLERANCE: f64 = 2e-3;
+const WALL_TOLERANCE: f64 = 4e-3;
 
 /// Sides shorter than this are not divided, millimetres.
 const LEAST_STEP: f64 = 0.02;
@@ -55,7 +55,7 @@ impl<'a> Rulings<'a> {
     }
 
     /// The same plate with ruled walls: its outlines get as many further points as keep the wall's triangles within
-    /// 0.002 mm of the ruled surface.
+    /// 0.004 mm of the ruled surface.
     pub fn rule(&self, plate: &Plate) -> Plate {
         let outlines = plate.outlines.iter().map(|outline| self.ruled(&outline.points)).collect();
         Plate { outlines, grid: plate.grid }

@@ -185,7 +185,7 @@ fn holds(lines: &[Stretch], hinges: &[HingeRow], radius: f64, splits: &mut [Vec<
     let mut holds: Vec<Vec<Hold>> = lines.iter().map(|_| Vec::new()).collect();
     for row in hinges {
         let point = Point::new(row.point.x, row.point.y);
-        let reach = 0.5 * row.width + radius + row.centre_offset + PLAY;
+        let reach = 0.5 * row.width + radius + row.pole_offset.abs() + row.centre_offset + PLAY;
         // As long as the straight stretch by which a slit passes a ligament.
         let half = 0.5 * row.length + 2.0 * radius;
         let lean = Vec2::new(row.axis.x, row.axis.y) / row.axis.z;

@@ -285,6 +285,48 @@ fn walls_follow_the_hinges_that_they_pass() {
     }
 }
 
+/// A lattice whose two hinges of every corner lean by `apart` to opposite sides of the slit between them.
+fn parted_lattice(apart: f64) -> Fabrication {
+    let mut design = TestSheet::rectangle([4, 3], [14.0, 14.0], 1.5 + 2.5 * apart).design(0.6);
+    for hinge in &mut design.hinges {
+        let corner = design.corners[design.pieces[hinge.pieces[0]].corners[hinge.vertices[0]]];
+        let away = (hinge.point - corner).try_normalize(1e-6).unwrap_or_default() * (0.5 * apart);
+        hinge.axis = hinge.axis.z.signum() * (Vector3::new(0.02, -0.01, 1.0) + away).normalize();
+    }
+    let mut profile = milled();
+    profile.cut.ruled = true;
+    made(&design, &profile)
+}
+
+#[test]
+fn both_walls_of_a_slit_follow_their_own_hinges() {
+    let sheet = parted_lattice(0.1);
+    let thick = thicken(&sheet, 5.0, Walls::Ruled).unwrap();
+    assert_closed(&thick.part);
+    let part = read_back(&thick.part);
+    for z in [-2.45, -1.2, 0.3, 2.45] {
+        let [centre, width] = neck_errors(&part, &sheet.hinges, z);
+        assert!(centre < 3e-3 && width < 6e-3, "{z}: {centre} {width}");
+    }
+    // The slit between the two hinges of a corner is as wide as the tool at its narrow face, and tapers by what the
+    // walls lean apart.
+    let pair = sheet.hinges.iter().find_map(|a| {
+        let near = |b: &&HingeRow| b.id > a.id && (b.point - a.point).norm() < 1.8;
+        sheet.hinges.iter().find(near).map(|b| [a.clone(), b.clone()])
+    });
+    let [a, b] = pair.expect("a corner with two hinges");
+    let away = (b.point - a.point).normalize();
+    let lean = |row: &HingeRow| row.axis / row.axis.z;
+    for z in [-2.49, -1.0, 2.49] {
+        let middle = nalgebra::center(&a.point, &b.point) + 0.5 * z * (lean(&a) + lean(&b));
+        let slice = slice(&part, z);
+        let ways = [1.0, -1.0].map(|s| free_way(&slice, [middle.x, middle.y], [s * away.x, s * away.y]));
+        let expected = 1.25 + z * (lean(&b) - lean(&a)).dot(&away);
+        assert!((ways[0] + ways[1] - expected).abs() < 6e-3, "{z}: {ways:?} {expected}");
+        assert!(expected > 1.0 - 1e-3);
+    }
+}
+
 #[test]
 fn walls_that_meet_or_lie_flat_are_refused_with_place_and_value() {
     let folded = thicken(&tilted_lattice(7.0), 5.0, Walls::Ruled);

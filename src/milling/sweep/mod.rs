@@ -64,7 +64,9 @@ pub struct Neck {
     pub lean: Vec2,
     /// Its width.
     pub width: f64,
-    /// How far its middle is known to be off the hinge's axis.
+    /// How far beside the hinge's axis its middle belongs.
+    pub beside: f64,
+    /// How far it is known to be off that.
     pub told: f64,
 }
 
@@ -73,7 +75,8 @@ impl Neck {
     pub fn new(row: &HingeRow, upright: bool) -> Self {
         let lean = if upright { Vec2::ZERO } else { Vec2::new(row.axis.x, row.axis.y) / row.axis.z };
         let at = Point::new(row.point.x, row.point.y);
-        Self { id: row.id, at, lean, width: row.width, told: row.centre_offset }
+        let (beside, told) = (row.pole_offset.abs(), row.centre_offset);
+        Self { id: row.id, at, lean, width: row.width, beside, told }
     }
 }
 

@@ -14,6 +14,9 @@ use crate::geometry::mesh::TriMesh;
 /// Walls are looked at in steps of this, millimetres.
 const STEP: f64 = 0.25;
 
+/// Of sides shorter than that every third is looked at: they are parts of one round or of one ruled wall.
+const SHORT: f64 = 0.1;
+
 /// Half the angle of the cone in which a ligament's other wall is looked for, radians.
 const CONE: f64 = 1.0;
 
@@ -192,7 +195,10 @@ fn leftover(
 ) -> Worst {
     let mut worst = Worst::NONE;
     let tabs: Vec<_> = wanted.tabs.iter().filter(|tab| above_middle < tab.top + wanted.radius).collect();
-    for &[a, b] in walls {
+    for (side, &[a, b]) in walls.iter().enumerate() {
+        if a.distance(b) < SHORT && side % 3 > 0 {
+            continue;
+        }
         let count = (a.distance(b) / STEP).ceil().max(1.0);
         for i in 0..count as usize {
             let point = a.lerp(b, i as f64 / count);
@@ -234,7 +240,7 @@ fn found(
     let axis = -way.normalize();
     let beyond = near.iter().filter_map(|section| Some(free(section, in_cone(section.ends, at, axis)?)));
     let Some((second, _)) = beyond.min_by(|a, b| order(a, b)) else { return nothing };
-    Found { neck: place, width: first + second, off: 0.5 * (second - first).abs(), at }
+    Found { neck: place, width: first + second, off: (0.5 * (second - first).abs() - neck.beside).abs(), at }
 }
 
 /// By distance, ties by place: the index has no order.
