@@ -5,6 +5,7 @@
 
 mod check;
 mod coupon;
+mod cut_keys;
 mod design;
 mod events;
 mod export;
@@ -26,6 +27,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use cut_keys::CutKeys;
 use progress::Reporting;
 
 use crate::profile::{Ligament, Process, Shape};
@@ -104,6 +106,8 @@ enum Command {
         /// Write the files even where a hinge fails; its verdict stays "fail".
         #[arg(long)]
         allow_failing_hinges: bool,
+        #[command(flatten)]
+        keys: CutKeys,
         #[command(flatten)]
         reporting: Reporting,
     },
@@ -214,8 +218,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)
         }
-        Command::Fabricate { design, profile, output, allow_failing_hinges, reporting } => {
-            fabricate::run(&design, &profile, &output, allow_failing_hinges, &reporting)
+        Command::Fabricate { design, profile, output, allow_failing_hinges, keys, reporting } => {
+            fabricate::run(&design, &profile, &output, allow_failing_hinges, &keys, &reporting)
         }
         Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
         Command::Coupon { profile, output } => coupon::run(&profile, output),

@@ -28,6 +28,7 @@ mod read;
 
 mod solver;
 
+pub use cut::cut_keys;
 pub use guide::{Guide, GuideWay};
 pub use solver::Solver;
 
@@ -190,7 +191,7 @@ pub struct Fabrication {
 }
 
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 20] = [
+pub const DEFAULTS: [(&str, &str); 27] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
@@ -209,6 +210,13 @@ pub const DEFAULTS: [(&str, &str); 20] = [
     ("fabrication.pierce", "\"slit-end\""),
     ("fabrication.order", "\"travel\""),
     ("fabrication.cool_s", "10.0; of order = \"heat\""),
+    ("fabrication.cool_mm", "as near as the cuts beside the hinge; of order = \"heat\""),
+    ("fabrication.leads", "\"none\"; with pierce = \"scrap\" \"line\""),
+    ("fabrication.lead_mm", "2.0"),
+    ("fabrication.tabs", "none"),
+    ("fabrication.tab_mm", "the profile's min_web_mm"),
+    ("fabrication.engrave", "false"),
+    ("fabrication.sheet_state", "the state that is \"flat\""),
     ("solver.stage-2", "{ orth = 1.0, geom = 1.0, prox = 0.1, boundary = 0.1, corners = 0.6, fair = 0.001 }"),
     (
         "solver.stage-3",

@@ -39,6 +39,7 @@ use crate::kirigami::rotating::Rotating;
 use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
+use crate::profile::Profile;
 use crate::solver::Report;
 use guides::read_guides;
 use stage1::{Aims, Begun, begin};
@@ -119,17 +120,18 @@ pub fn design(job: &Job, clock: &mut Clock) -> Result<Designed, PipelineError> {
         _ => Vec::new(),
     };
     let goals = Goals { guides: &guides, ..goals };
+    let profile = &job.fabrication.profile;
     let (design, [reports2, reports3]) = match &job.pattern.kind {
         Kind::Bistable(proportions) => {
             bistable::check_reach(job, proportions, &levels[levels.len() - 1], &layouts)?;
             let (stage2, stage3) = (&job.solver.stage2, &job.solver.bistable);
             let family = Snapping { goals, proportions, stage2, stage3 };
-            optimise(&Climb { levels: &levels, layouts: &layouts, family }, job, clock)?
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, profile, clock)?
         }
         Kind::RotatingRectangles => {
             let (stage2, stage3) = (&job.solver.stage2, &job.solver.stage3);
             let family = Rotating { goals, opening: job.pattern.opening, stage2, stage3 };
-            optimise(&Climb { levels: &levels, layouts: &layouts, family }, job, clock)?
+            optimise(&Climb { levels: &levels, layouts: &layouts, family }, profile, clock)?
         }
     };
     let Level { cover, .. } = levels.pop().expect("at least one level");
@@ -180,25 +182,24 @@ fn limits(job: &Job) -> Limits {
     }
 }
 
-/// Runs Stages 2 and 3 from coarse to fine. Returns the design and the reports of both stages.
+/// Runs Stages 2 and 3 from coarse to fine, and gives every hinge the gap that it needs. Returns the design and the reports
+/// of both stages.
 fn optimise<F: Family>(
     climb: &Climb<F>,
-    job: &Job,
+    profile: &Profile,
     clock: &mut Clock,
 ) -> Result<(Design, [Vec<Report>; 2]), PipelineError> {
-    let profile = &job.fabrication.profile;
     let design = |level: usize, pattern: &F::Pattern| climb.family.design(&climb.levels[level], pattern);
     let (control, report) = clock.run("stage-2", |run| climb.stage2(run));
     let start = climb.family.start(&climb.levels[0], &control);
     clock.go_on(|| Some(reached("stage-2", &design(0, &start), clock)))?;
     let Reached { level, mut pattern, mut reports } = clock.run("stage-3", |run| climb.stage3(control, run));
     // Another gap than the profile's is the user's wish.
-    if F::SETTLES && climb.levels[level].gap == profile.hinge_gap() && !is_even(profile) {
+    if climb.levels[level].gap == profile.hinge_gap() && !is_even(profile) {
         clock.go_on(|| Some(reached("stage-3", &design(level, &pattern), clock)))?;
         let halves = |design: &Design| half_gaps(design, profile);
-        let (settled, more) =
-            clock.run("gaps", |run| climb.family.settle(&climb.levels[level], pattern, &halves, run));
-        pattern = settled;
+        let (spaced, more) = clock.run("gaps", |run| climb.space(level, pattern, &halves, run));
+        pattern = spaced;
         reports.extend(more);
     }
     let design = design(level, &pattern);

@@ -225,3 +225,72 @@ fn what_no_cell_can_do_is_refused_with_cells_that_can() {
     std::fs::write(folder.join("tiny.toml"), job("large.obj", "pieces = [100, 100]")).unwrap();
     refused(&folder, &["design", "tiny.toml"], 2, &["too small for slits that pass hinges", "are needed"]);
 }
+
+/// A height field over a square of this side about the origin, in `n` by `n` quads.
+fn height_field(side: f64, n: usize, height: impl Fn(f64, f64) -> f64) -> String {
+    let at = |i: usize| side * (i as f64 / n as f64 - 0.5);
+    let places = (0..=n).flat_map(|j| (0..=n).map(move |i| (at(i), at(j))));
+    let vertices: String = places.map(|(x, y)| format!("v {x} {y} {}\n", height(x, y))).collect();
+    let quads = (0..n).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i + 1));
+    let faces: String = quads.map(|v| format!("f {v} {} {} {}\n", v + 1, v + n + 2, v + n + 1)).collect();
+    vertices + &faces
+}
+
+#[test]
+fn two_surfaces_with_different_meshes_need_no_map() {
+    let folder = peers::fresh_folder("bistable-two-surfaces");
+    let cap = |x: f64, y: f64| f64::sqrt(600.0 * 600.0 - x * x - y * y) - 600.0;
+    std::fs::write(folder.join("cap.obj"), height_field(420.0, 31, cap)).unwrap();
+    let wave = |x: f64, y: f64| 3.0 * f64::sin(x / 60.0) * f64::cos(y / 70.0);
+    std::fs::write(folder.join("wave.obj"), height_field(480.0, 40, wave)).unwrap();
+    let text = job("wave.obj", "pieces = [24, 24]").replace("closed = \"flat\"", "closed = \"cap.obj\"");
+    std::fs::write(folder.join("job.toml"), text).unwrap();
+    let out = run(&folder, ["design", "job.toml", "-o", "design.json"]);
+    assert_eq!(out.status, 0, "{out:?}");
+    let report = &read(&folder.join("design.json"))["report"];
+    assert!(number(report, "max_length_error") <= 1e-12 && number(report, "planarity") <= 1e-10, "{report}");
+    for state in ["closed", "open"] {
+        assert!(number(&report[state], "distance_max_mm") < 0.6, "{report}");
+    }
+}
+
+#[test]
+fn many_cells_begin_with_few_large_ones() {
+    let folder = peers::fresh_folder("bistable-levels");
+    // A fifth of its span high.
+    let dome = |x: f64, y: f64| 160.0 - (x * x + y * y) / 2000.0;
+    std::fs::write(folder.join("dome.obj"), height_field(800.0, 40, dome)).unwrap();
+    std::fs::write(
+        folder.join("job.toml"),
+        job("dome.obj", "pieces = [32, 32]\nphi_deg = 16\na = 0.38\nb = 0.38"),
+    )
+    .unwrap();
+    let out = run(&folder, ["design", "job.toml", "-o", "design.json"]);
+    assert_eq!(out.status, 0, "{out:?}");
+    let report = &read(&folder.join("design.json"))["report"];
+    assert!(
+        number(report, "max_length_error") <= 1e-12 && number(report, "distance_max_mm") < 0.8,
+        "{report}"
+    );
+    let stages = report["stages"].as_array().unwrap();
+    let steps =
+        stages.iter().find(|stage| stage["name"] == "stage-3").unwrap()["iterations"].as_array().unwrap();
+    // The hard phase ends each level: two of them.
+    let alone = |step: &&Value| step["energies"].as_object().unwrap().len() == 2;
+    let ends = steps.windows(2).filter(|pair| alone(&&pair[0]) && !alone(&&pair[1])).count();
+    assert_eq!(ends, 1, "one change from a hard phase to the soft ones of the next level");
+}
+
+#[test]
+fn a_target_that_twists_against_the_grid_is_refused_with_the_twist() {
+    let folder = peers::fresh_folder("bistable-twist");
+    let wave = |x: f64, y: f64| 12.0 * f64::sin(x / 60.0) * f64::cos(y / 70.0);
+    std::fs::write(folder.join("wave.obj"), height_field(480.0, 40, wave)).unwrap();
+    std::fs::write(folder.join("job.toml"), job("wave.obj", "pieces = [24, 24]")).unwrap();
+    refused(
+        &folder,
+        &["design", "job.toml", "-o", "design.json"],
+        2,
+        &["largest distance from the target", "twists against the grid by 0.5", "2.9 % of a cell"],
+    );
+}

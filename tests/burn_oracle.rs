@@ -57,7 +57,13 @@ fn sheet(count: usize) -> Sheet {
         .collect();
     let points: Vec<Value> = hinges.iter().map(|h: &Value| json!({ "point": h["point"] })).collect();
     Sheet {
-        layout: CutLayout { sheet: [side + 2.0 * ORIGIN; 2], kerf: KERF, paths, notes: vec![] },
+        layout: CutLayout {
+            sheet: [side + 2.0 * ORIGIN; 2],
+            kerf: KERF,
+            engravings: vec![],
+            paths,
+            notes: vec![],
+        },
         hinges: json!({ "version": 1, "profile": "test", "hinges": hinges }),
         design: json!({ "version": 1, "sheet_state": "closed", "pieces": pieces, "hinges": points }),
     }

@@ -77,11 +77,11 @@ fn ligaments_stand_off_their_hinges_by_their_poles_and_turn_about_them() {
     }
     assert!(inner > 200);
     let verified = run(&folder, ["verify", "out", "--profile", "own.toml"]);
-    assert_eq!(verified.status, 0, "{}", verified.error);
+    assert_eq!(verified.status, 0, "{}", verified.stderr);
     // Without the key the same ligaments would be off their poles, and the files are not those of that profile.
     let verified = run(&folder, ["verify", "out", "--profile", "steel-304-0.5mm"]);
     assert_eq!(verified.status, 2);
-    assert!(verified.error.contains("off the hinge point"), "{}", verified.error);
+    assert!(verified.stderr.contains("off the hinge point"), "{}", verified.stderr);
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn milled_gaps_have_room_for_two_axes_that_tilt_apart() {
     let own = own.replace("extra_length_mm = 0.0", "extra_length_mm = 1.5");
     let folder = job_folder("gaps-milled", &own, 12, "");
     let done = run(&folder, ["design", "job.toml", "-o", "design.json"]);
-    assert_eq!(done.status, 0, "{}", done.error);
+    assert_eq!(done.status, 0, "{}", done.stderr);
     let design: Value = serde_json::from_slice(&fs::read(folder.join("design.json")).unwrap()).unwrap();
     let mut corners: BTreeMap<usize, Vec<([f64; 3], [f64; 3])>> = BTreeMap::new();
     for hinge in design["hinges"].as_array().unwrap() {

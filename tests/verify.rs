@@ -1,10 +1,6 @@
 //! `verify` on the samples' machine files: unharmed ones pass with the designed figures, and each seeded fault is caught
 //! by the check that is there for it.
 
-mod peers;
-mod program;
-
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -19,7 +15,6 @@ use kirimorph::pipeline::{self, Clock, Progress};
 use kirimorph::profile::Profile;
 use kirimorph::verify::{Check, Fault, Files, ONE_PART, Verified, Wanted, hash_comment, verify};
 use kurbo::{Point, Vec2};
-use program::{Run, made, run};
 
 const HASH: &str = "fnv1a64:0123456789abcdef";
 
@@ -59,8 +54,13 @@ impl Sample {
     }
 
     fn verify(&self, dxf: &[u8], svg: &[u8]) -> Verified {
-        let wanted =
-            Wanted { design: &self.sheet.design, profile: &self.profile, hash: HASH, copies: &ONE_PART };
+        let wanted = Wanted {
+            design: &self.sheet.design,
+            profile: &self.profile,
+            hash: HASH,
+            copies: &ONE_PART,
+            tabs: None,
+        };
         verify(Files { dxf, svg }, wanted).unwrap()
     }
 
@@ -373,8 +373,13 @@ fn what_is_no_drawing_cannot_be_read() {
     let layout = &CLOSED.sheet.layout;
     let dxf = CLOSED.dxf(layout, DxfVersion::R2000, HASH);
     let svg = CLOSED.svg(layout, HASH);
-    let wanted =
-        Wanted { design: &CLOSED.sheet.design, profile: &CLOSED.profile, hash: HASH, copies: &ONE_PART };
+    let wanted = Wanted {
+        design: &CLOSED.sheet.design,
+        profile: &CLOSED.profile,
+        hash: HASH,
+        copies: &ONE_PART,
+        tabs: None,
+    };
     let reason = |dxf: &[u8], svg: &[u8]| verify(Files { dxf, svg }, wanted).unwrap_err().to_string();
     for bad in [&dxf[..dxf.len() / 2], b"", b"\x89PNG\r\n\x1a\n", b"solid x\nendsolid x\n"] {
         assert!(reason(bad, &svg).starts_with("cut.dxf"), "{}", reason(bad, &svg));
@@ -382,127 +387,4 @@ fn what_is_no_drawing_cannot_be_read() {
     for bad in [&svg[..svg.len() / 2], b"", b"\x89PNG", b"<svg><path d=\"M0 0 C 1 1 2 2 3 3\"/></svg>"] {
         assert!(reason(&dxf, bad).starts_with("cut.svg"), "{}", reason(&dxf, bad));
     }
-}
-
-/// Runs `verify`, which must end so.
-fn verified(folder: &Path, arguments: &[&str], status: i32) -> Run {
-    let run = run(folder, ["verify", "out"].iter().chain(arguments));
-    assert_eq!(run.status, status, "{arguments:?}: {run:?}");
-    run
-}
-
-#[test]
-fn the_command_prints_a_table_and_names_every_fault() {
-    let folder = peers::fresh_folder("verify-command");
-    let out = made(&folder, sample_file("dome").to_str().unwrap(), "out");
-    let table = verified(&folder, &[], 0).stdout;
-    for line in ["SLIT ", "bodies ", "ligament width ", "safe join tolerance "] {
-        assert!(table.contains(line), "{table}");
-    }
-    verified(&folder, &["--profile", "steel-304-0.5mm"], 0);
-    // Another kerf than the files were made for.
-    let hinges = fs::read_to_string(out.join("hinges.json")).unwrap();
-    fs::write(out.join("hinges.json"), hinges.replacen("\"kerf_mm\": 0.05", "\"kerf_mm\": 0.12", 1)).unwrap();
-    let refused = verified(&folder, &[], 2);
-    assert!(
-        refused.stderr.contains("the ligament is 0.430 mm wide")
-            && refused.stderr.contains("more like these")
-    );
-    assert_eq!(verified(&folder, &["--all"], 2).stderr.matches("mm wide").count(), 1104);
-    // Without the report the profile must be named.
-    fs::remove_file(out.join("hinges.json")).unwrap();
-    assert!(verified(&folder, &[], 1).stderr.contains("--profile"));
-    verified(&folder, &["--profile", "steel-304-0.5mm"], 0);
-    // Another design.
-    let design = fs::read_to_string(out.join("design.json")).unwrap();
-    fs::write(out.join("design.json"), format!("{design} ")).unwrap();
-    let refused = verified(&folder, &["--profile", "steel-304-0.5mm"], 2);
-    assert_eq!(
-        refused.stderr.matches("was made from a design with the hash").count(),
-        2,
-        "{}",
-        refused.stderr
-    );
-    fs::write(out.join("design.json"), design).unwrap();
-    fs::remove_file(out.join("cut.svg")).unwrap();
-    assert!(
-        verified(&folder, &["--profile", "steel-304-0.5mm"], 1).stderr.contains("cut.svg cannot be read")
-    );
-}
-
-#[test]
-fn the_papers_model_without_a_gap_passes_and_tells_how_far_its_ligaments_are_off() {
-    let folder = peers::fresh_folder("verify-no-gap");
-    let mut job = fs::read_to_string(sample_file("dome")).unwrap();
-    let target = sample_file("dome").with_extension("obj");
-    job = job.replace("\"dome.obj\"", &format!("{:?}", target.to_str().unwrap()));
-    job = job.replace("[pattern]", "[pattern]\ngap_mm = 0.0");
-    fs::write(folder.join("flat.toml"), job).unwrap();
-    made(&folder, "flat.toml", "out");
-    let table = verified(&folder, &[], 0).stdout;
-    // Half of ligament and kerf.
-    assert!(
-        table.lines().any(|line| line.contains("off its hinge") && line.contains("0.2750 mm")),
-        "{table}"
-    );
-}
-
-#[test]
-fn copies_are_verified_each_and_their_faults_are_found() {
-    let folder = std::env::temp_dir().join(format!("kirimorph-copies-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let job = program::job("open = \"dome.obj\"\nsize_mm = 60", "pieces = [4, 4]", program::STEEL);
-    std::fs::write(folder.join("dome.obj"), program::sample_dome()).unwrap();
-    let with = |more: &str| std::fs::write(folder.join("job.toml"), format!("{job}{more}\n")).unwrap();
-    with("copies = 400");
-    program::refused(
-        &folder,
-        &["make", "job.toml", "-o", "many"],
-        2,
-        &["400 copies of", "do, ", "in each of"],
-    );
-    with("copies = 3\nspacing_mm = 2");
-    let out = made(&folder, "job.toml", "out");
-    let verified = run(&folder, ["verify", "out"]);
-    assert_eq!(verified.status, 0, "{verified:?}");
-    assert!(verified.stdout.contains("bodies                  3"), "{}", verified.stdout);
-    let report: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("hinges.json")).unwrap()).unwrap();
-    assert_eq!(report["cut"]["copies_mm"].as_array().unwrap().len(), 3);
-    // One copy elsewhere than the report says; one more than there is.
-    for (from, to, says) in [
-        ("\"copies_mm\":[[0.0,0.0],[", "\"copies_mm\":[[0.0,0.0],[1", "lies in none of the copies"),
-        ("\"copies_mm\":[[0.0,0.0],", "\"copies_mm\":[[0.0,0.0],[200.0,200.0],", "there must be 4"),
-    ] {
-        let text = std::fs::read_to_string(out.join("hinges.json")).unwrap();
-        assert!(text.contains(from), "{text}");
-        let other = folder.join("other");
-        std::fs::create_dir_all(&other).unwrap();
-        for name in ["design.json", "cut.dxf", "cut.svg"] {
-            std::fs::copy(out.join(name), other.join(name)).unwrap();
-        }
-        std::fs::write(other.join("hinges.json"), text.replacen(from, to, 1)).unwrap();
-        let found = run(&folder, ["verify", "other"]);
-        assert!(found.status == 2 && found.stderr.contains(says), "{found:?}");
-    }
-    std::fs::remove_dir_all(folder).unwrap();
-}
-
-#[test]
-fn other_piercing_and_order_pass_as_well() {
-    let folder = std::env::temp_dir().join(format!("kirimorph-pierce-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let job = program::job("open = \"dome.obj\"\nsize_mm = 100", "pieces = [8, 8]", program::STEEL);
-    std::fs::write(folder.join("dome.obj"), program::sample_dome()).unwrap();
-    for more in [
-        "pierce = \"mid-slit\"",
-        "order = \"heat\"",
-        "pierce = \"mid-slit\"\norder = \"heat\"\ncool_s = 30\npasses = 3",
-    ] {
-        std::fs::write(folder.join("job.toml"), format!("{job}{more}\n")).unwrap();
-        made(&folder, "job.toml", "out");
-        let verified = run(&folder, ["verify", "out"]);
-        assert_eq!(verified.status, 0, "{more}: {verified:?}");
-    }
-    std::fs::remove_dir_all(folder).unwrap();
 }

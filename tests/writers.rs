@@ -25,6 +25,7 @@ fn layout() -> CutLayout {
     CutLayout {
         sheet: [120.0, 80.5],
         kerf: 0.05,
+        engravings: vec![],
         paths: vec![
             path(CutKind::Slit, false, &[(10.0, 10.0, 0.0), (20.123456789012, 14.0, 0.0)]),
             path(
@@ -193,7 +194,13 @@ fn dxf_lengths_equal_ours() {
 fn quarter_and_full_circles_have_their_length() {
     let quarter = path(CutKind::Slit, false, &[(3.0, 1.0, (PI / 8.0).tan()), (1.0, 3.0, 0.0)]);
     let circle = path(CutKind::Window, true, &[(20.0, 20.0, 1.0), (26.0, 20.0, 1.0)]);
-    let ours = CutLayout { sheet: [50.0, 50.0], kerf: 0.05, paths: vec![quarter, circle], notes: vec![] };
+    let ours = CutLayout {
+        sheet: [50.0, 50.0],
+        kerf: 0.05,
+        engravings: vec![],
+        paths: vec![quarter, circle],
+        notes: vec![],
+    };
     let files = [
         ("R2000.dxf", dxf_bytes(&ours, DxfVersion::R2000, &[])),
         ("R12.dxf", dxf_bytes(&ours, DxfVersion::R12, &[])),

@@ -4,19 +4,18 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
+use super::cut_keys::CutKeys;
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, file_names, plan};
+use super::results::{Extras, Results, cut_lines, file_names, plan};
 use super::{Failure, events, interrupt, print, solids};
-use crate::fabrication::plan::{CutOptions, CutPlan};
 use crate::fabrication::product::Product;
+use crate::job::cut_keys;
 use crate::kirigami::quality::{Quality, measure_alone};
 use crate::output::design_json::{self, Origin, parse_report};
-use crate::output::dxf::DxfVersion;
 use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
 use crate::pipeline::{Clock, Progress, fingerprint};
 use crate::profile;
-use crate::solid::ThickSheet;
 
 /// Lays a design out and writes the results, all or none.
 pub fn run(
@@ -24,6 +23,7 @@ pub fn run(
     profile: &str,
     folder: &Path,
     allow_failing: bool,
+    keys: &CutKeys,
     reporting: &Reporting,
 ) -> Result<(), Failure> {
     let file = design_file(design);
@@ -31,7 +31,8 @@ pub fn run(
     let design = design_json::parse(&bytes)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
     let design = without_repeated(design);
-    let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
+    let mut profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
+    let (dxf, mut options) = cut_keys(&keys.table(), &mut profile).map_err(Failure::bad_input)?;
     OutputFolder::check(folder).map_err(Failure::bad_input)?;
     interrupt::listen();
     let mut reporter = Reporter::new(reporting);
@@ -45,9 +46,11 @@ pub fn run(
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(product.hinges(), allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&product, &profile))?;
-    let plan = plan(&product, &profile, &CutOptions::default(), &mut clock)?;
-    clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let origin = origin(&bytes, &file, &product);
+    options.engrave = options.engrave.map(|_| origin.job.clone());
+    let plan = plan(&product, &profile, &options, &mut clock)?;
+    let extras = Extras { solids: thick.as_ref(), snap: None, plan: plan.as_ref() };
+    clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let quality = &origin.quality;
     let figures = figures(&product, quality);
     let results = Results {
@@ -55,21 +58,19 @@ pub fn run(
         target: &origin.target,
         hashes: &origin.hashes,
         product: &product,
-        solids: thick.as_ref(),
-        snap: None,
-        plan: plan.as_ref(),
+        extras,
         quality,
         stages: &origin.stages,
         profile: &profile,
-        dxf: DxfVersion::default(),
+        dxf,
         figures: &figures,
     };
     results.leave(folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&product, (thick.as_ref(), plan.as_ref()), quality, folder));
+        events::tell(&event(&product, extras, quality, folder));
     } else if !reporting.quiet {
-        print(&summary(&origin.job, &product, (thick.as_ref(), plan.as_ref()), &figures, folder));
+        print(&summary(&origin.job, &product, extras, &figures, folder));
     }
     Ok(())
 }
@@ -128,7 +129,7 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
 
 fn event(
     product: &Product,
-    (thick, plan): (Option<&ThickSheet>, Option<&CutPlan>),
+    Extras { solids: thick, plan, .. }: Extras,
     quality: &Quality,
     folder: &Path,
 ) -> serde_json::Value {
@@ -152,7 +153,7 @@ fn event(
 fn summary(
     name: &str,
     product: &Product,
-    (thick, plan): (Option<&ThickSheet>, Option<&CutPlan>),
+    Extras { solids: thick, plan, .. }: Extras,
     figures: &[(String, String)],
     folder: &Path,
 ) -> String {
@@ -167,8 +168,6 @@ fn summary(
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
-    if let Some(plan) = plan {
-        text += &format!("  {}\n", plan.report);
-    }
+    text += &cut_lines(plan);
     text + &format!("Files in {}\n", folder.display())
 }

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Results, file_names, no_cut_file, plan};
+use super::results::{Extras, Results, cut_lines, file_names, no_cut_file, plan};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print, solids};
-use crate::fabrication::plan::CutPlan;
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
 use crate::job::{Job, Kind, read_job};
@@ -17,8 +16,8 @@ use crate::memory;
 use crate::output::folder::{OutputFolder, SNAP_FILES};
 use crate::output::{design_json, hinge_report, partial_json, snap_report};
 use crate::pipeline::{Clock, Made, Progress, make, source_hashes};
+use crate::profile::Process;
 use crate::snap::assess::{Snap, assess};
-use crate::solid::ThickSheet;
 
 /// Runs the job and writes its results, all or none.
 pub fn run(
@@ -51,14 +50,13 @@ pub fn run(
     let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     let snap = snapping(&made, &job, &mut clock);
+    let extras = Extras { solids: thick.as_ref(), snap: snap.as_ref(), plan: plan.as_ref() };
     Results {
         name: &name,
         target: &input.target_name(),
         hashes: &source_hashes(&job, job_file),
         product: &made.product,
-        solids: thick.as_ref(),
-        snap: snap.as_ref(),
-        plan: plan.as_ref(),
+        extras,
         quality: &made.quality,
         stages: &made.stages,
         profile: &job.fabrication.profile,
@@ -68,15 +66,9 @@ pub fn run(
     .leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, (thick.as_ref(), snap.as_ref(), plan.as_ref()), &input, &folder));
+        events::tell(&result_event(&made, extras, &input, &folder));
     } else if !reporting.quiet {
-        print(&summary(
-            &made,
-            (thick.as_ref(), snap.as_ref(), plan.as_ref()),
-            &input,
-            &folder,
-            unused_partial,
-        ));
+        print(&summary(&made, extras, &input, &folder, unused_partial));
     }
     Ok(())
 }
@@ -95,7 +87,7 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 /// The last event: figures under their names in design.json, and the files.
 fn result_event(
     made: &Made,
-    (thick, snap, plan): (Option<&ThickSheet>, Option<&Snap>, Option<&CutPlan>),
+    Extras { solids: thick, snap, plan }: Extras,
     input: &Input,
     folder: &Path,
 ) -> serde_json::Value {
@@ -120,6 +112,14 @@ fn result_event(
         "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
         "remark": remark(made, input),
     })
+}
+
+/// What the cut files are for.
+fn cut_words(process: Process) -> &'static str {
+    match process {
+        Process::Laser => "for the laser; cut on the line, the kerf is applied",
+        Process::Milling => "for the mill; mill on the line, the tool's diameter is applied",
+    }
 }
 
 /// What is to be said of a result that has no cut file.
@@ -201,7 +201,7 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
 
 fn summary(
     made: &Made,
-    (thick, snap, plan): (Option<&ThickSheet>, Option<&Snap>, Option<&CutPlan>),
+    Extras { solids: thick, snap, plan }: Extras,
     input: &Input,
     folder: &Path,
     unused_partial: bool,
@@ -218,9 +218,7 @@ fn summary(
     if let Some(summary) = hinges {
         text += &format!("  {summary}\n");
     }
-    if let Some(plan) = plan {
-        text += &format!("  {}\n", plan.report);
-    }
+    text += &cut_lines(plan);
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
@@ -242,8 +240,9 @@ fn summary(
     let files = match &made.product {
         Product::Sheet(sheet) => {
             let other = other_name(&sheet.design);
+            let cut = cut_words(input.job.fabrication.profile.process);
             format!(
-                "  cut.dxf, cut.svg            for the laser; cut on the line, the kerf is applied\n\
+                "  cut.dxf, cut.svg            {cut}\n\
                  \x20 {:<26}  the part as a solid, and its pieces in the {other} state\n",
                 format!("part.stl, {other}.stl")
             )

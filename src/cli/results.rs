@@ -65,12 +65,8 @@ pub struct Results<'a> {
     pub hashes: &'a BTreeMap<String, String>,
     /// The checked sheet, or the pieces where neither state is flat.
     pub product: &'a Product,
-    /// The sheet's solids; `None` where neither state is flat.
-    pub solids: Option<&'a ThickSheet>,
-    /// How a bistable sheet snaps.
-    pub snap: Option<&'a Snap>,
-    /// How the sheet is cut, where there is one.
-    pub plan: Option<&'a CutPlan>,
+    /// What was made of it besides.
+    pub extras: Extras<'a>,
     /// Measures of the design as it will be cut.
     pub quality: &'a Quality,
     /// What the solver did.
@@ -81,6 +77,17 @@ pub struct Results<'a> {
     pub dxf: DxfVersion,
     /// Figures for the preview: label and value.
     pub figures: &'a [(String, String)],
+}
+
+/// What is made of a product besides its layout.
+#[derive(Clone, Copy)]
+pub struct Extras<'a> {
+    /// The sheet's solids; `None` where neither state is flat.
+    pub solids: Option<&'a ThickSheet>,
+    /// How a bistable sheet snaps.
+    pub snap: Option<&'a Snap>,
+    /// How the sheet is cut, where there is one.
+    pub plan: Option<&'a CutPlan>,
 }
 
 /// How many faults of one check are told of files that are not left.
@@ -102,7 +109,7 @@ impl Results<'_> {
                 Ok(out)
             })
             .map_err(refused)?;
-        if let (Product::Sheet(sheet), Some(plan)) = (self.product, self.plan) {
+        if let (Product::Sheet(sheet), Some(plan)) = (self.product, self.extras.plan) {
             let faults =
                 clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
             if !faults.is_empty() {
@@ -130,8 +137,13 @@ impl Results<'_> {
     ) -> Result<Vec<Fault>, WriteError> {
         let [design, dxf, svg] = ["design.json", "cut.dxf", "cut.svg"].map(|name| out.read(name));
         let hash = fingerprint(&design?);
-        let wanted =
-            Wanted { design: &sheet.design, profile: self.profile, hash: &hash, copies: &plan.report.copies };
+        let wanted = Wanted {
+            design: &sheet.design,
+            profile: self.profile,
+            hash: &hash,
+            copies: &plan.report.copies,
+            tabs: plan.report.tabs.as_ref(),
+        };
         let mut faults = verify::verify(Files { dxf: &dxf?, svg: &svg? }, wanted)?.faults;
         // What the hinge report tells of a hinge is no surprise: that it fails, or that its ligament stands off its point.
         let told = |id: usize| {
@@ -157,16 +169,16 @@ impl Results<'_> {
         };
         out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
         out.write::<WriteError>("hinges.json", |file| {
-            Ok(hinge_report::write_json(hinges, profile, self.plan.map(|plan| &plan.report), file)?)
+            Ok(hinge_report::write_json(hinges, profile, self.extras.plan.map(|plan| &plan.report), file)?)
         })?;
         out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
-        if let Some(snap) = self.snap {
+        if let Some(snap) = self.extras.snap {
             let [json, svg] = SNAP_FILES;
             let object = snap_report::object(snap, &profile.name);
             out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
             out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
         }
-        match (product, self.plan) {
+        match (product, self.extras.plan) {
             (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
             (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
             (Product::Assembly(assembly), _) => self.write_assembly(assembly, out),
@@ -188,7 +200,7 @@ impl Results<'_> {
         ];
         out.write::<WriteError>("cut.dxf", |file| Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?))?;
         out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
-        if let Some(solids) = self.solids {
+        if let Some(solids) = self.extras.solids {
             let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
             for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
                 out.write::<WriteError>(name, |file| Ok(write_stl(mesh.triangles(), file)?))?;
@@ -236,6 +248,12 @@ pub fn plan(
     let Product::Sheet(sheet) = product else { return Ok(None) };
     let plan = clock.run("plan", |_| cut_plan(sheet, profile, options));
     plan.map(Some).map_err(|error| Failure::NotMakeable(error.to_string()))
+}
+
+/// What is printed of the cutting.
+pub fn cut_lines(plan: Option<&CutPlan>) -> String {
+    let lines = plan.iter().flat_map(|plan| plan.report.lines());
+    lines.map(|line| format!("  {line}\n")).collect()
 }
 
 /// The names of the files that are written.

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use kurbo::Vec2;
+use kurbo::{Point, Vec2};
 use serde::Deserialize;
 
 use super::{Failure, print};
+use crate::fabrication::layout::Tabs;
 use crate::output::design_json;
 use crate::pipeline::fingerprint;
 use crate::profile::{self, Profile};
@@ -25,10 +26,11 @@ pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failur
         let says = "neither state of this design is flat, so it has no cut files to verify";
         return Err(Failure::BadInput(format!("{}: {says}", file.display())));
     }
-    let (profile, copies) = applied(folder, profile)?;
+    let Applied { profile, copies, tabs } = applied(folder, profile)?;
     let [dxf, svg] = [read(&folder.join("cut.dxf"))?, read(&folder.join("cut.svg"))?];
     let hash = fingerprint(&bytes);
-    let wanted = Wanted { design: &design, profile: &profile, hash: &hash, copies: &copies };
+    let wanted =
+        Wanted { design: &design, profile: &profile, hash: &hash, copies: &copies, tabs: tabs.as_ref() };
     let verified = verify::verify(Files { dxf: &dxf, svg: &svg }, wanted)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
     if let Some(figures) = &verified.figures {
@@ -61,24 +63,39 @@ fn read(file: &Path) -> Result<Vec<u8>, Failure> {
 
 /// What `hinges.json` tells of the profile: its name, and what a job may have put in place of its own numbers.
 #[derive(Deserialize)]
-struct Applied {
+struct Told {
     profile: String,
     kerf_mm: f64,
     sheet_mm: Option<[f64; 2]>,
-    cut: Option<AppliedCut>,
+    cut: Option<ToldCut>,
 }
 
 /// How the sheet is cut.
 #[derive(Deserialize)]
-struct AppliedCut {
+struct ToldCut {
     copies_mm: Vec<[f64; 2]>,
+    tabs: Option<ToldTabs>,
+}
+
+/// What holds the part.
+#[derive(Deserialize)]
+struct ToldTabs {
+    width_mm: f64,
+    places_mm: Vec<[f64; 2]>,
+}
+
+/// What the files were made for.
+struct Applied {
+    profile: Profile,
+    copies: Vec<Vec2>,
+    tabs: Option<Tabs>,
 }
 
 /// The profile, with the kerf and the stock that the files were made for, and where the copies lie.
-fn applied(folder: &Path, name: Option<&str>) -> Result<(Profile, Vec<Vec2>), Failure> {
+fn applied(folder: &Path, name: Option<&str>) -> Result<Applied, Failure> {
     let file = folder.join("hinges.json");
     let applied = match fs::read(&file) {
-        Ok(bytes) => Some(serde_json::from_slice::<Applied>(&bytes).map_err(|error| {
+        Ok(bytes) => Some(serde_json::from_slice::<Told>(&bytes).map_err(|error| {
             Failure::BadInput(format!("{}: {error}; make the files again, or give --profile", file.display()))
         })?),
         Err(error) if name.is_none() => {
@@ -91,8 +108,8 @@ fn applied(folder: &Path, name: Option<&str>) -> Result<(Profile, Vec<Vec2>), Fa
     let mut profile = profile::load(name, Path::new(".")).map_err(|error| {
         Failure::BadInput(format!("{error}; if it is a file of yours, name it with --profile"))
     })?;
-    let mut copies = ONE_PART.to_vec();
-    if let Some(Applied { kerf_mm, sheet_mm, cut, .. }) = applied {
+    let (mut copies, mut tabs) = (ONE_PART.to_vec(), None);
+    if let Some(Told { kerf_mm, sheet_mm, cut, .. }) = applied {
         let [width, height] = sheet_mm.unwrap_or([profile.sheet.width, profile.sheet.height]);
         if ![kerf_mm, width, height].iter().all(|size| size.is_finite() && *size > 0.0) {
             let says = "kerf_mm and sheet_mm must be above 0; make the files again";
@@ -102,11 +119,15 @@ fn applied(folder: &Path, name: Option<&str>) -> Result<(Profile, Vec<Vec2>), Fa
         (profile.sheet.width, profile.sheet.height) = (width, height);
         if let Some(cut) = cut {
             copies = cut.copies_mm.into_iter().map(|[x, y]| Vec2::new(x, y)).collect();
+            tabs = cut.tabs.map(|ToldTabs { width_mm, places_mm }| Tabs {
+                places: places_mm.into_iter().map(|[x, y]| Point::new(x, y)).collect(),
+                width: width_mm,
+            });
         }
         if copies.is_empty() || !copies.iter().all(|by| by.is_finite()) {
             let says = "cut.copies_mm must hold a place for every copy; make the files again";
             return Err(Failure::BadInput(format!("{}: {says}", file.display())));
         }
     }
-    Ok((profile, copies))
+    Ok(Applied { profile, copies, tabs })
 }

@@ -89,7 +89,8 @@ pub fn coupon(profile: &Profile) -> Result<Coupon, FabricationError> {
     pen.closed(CutKind::Border, outside.inset(0.5 * kerf));
     let ligaments: Vec<Point> = pen.features.iter().map(|feature| feature.at).collect();
     let paths = cutting_order(&pen.paths, &ligaments);
-    let layout = CutLayout { sheet: [sheet.width, sheet.height], kerf, paths, notes: pen.notes };
+    let sheet = [sheet.width, sheet.height];
+    let layout = CutLayout { sheet, kerf, engravings: Vec::new(), paths, notes: pen.notes };
     Ok(Coupon { layout, features: pen.features, size })
 }
 

@@ -232,6 +232,34 @@ pub enum FabricationError {
         /// Between burned edges.
         spacing: f64,
     },
+    /// The border has too few places for tabs.
+    #[error(
+        "{tabs} tabs of {width} mm do not fit on the border evenly, on straight stretches {clear:.2} mm from slits and hinges: \
+         {fit} do; ask for fewer or narrower ones (tabs, tab_mm)"
+    )]
+    TooManyTabs {
+        /// Tabs that were asked for.
+        tabs: usize,
+        /// Tabs that fit.
+        fit: usize,
+        /// Their width.
+        width: f64,
+        /// Least distance from slits and hinges.
+        clear: f64,
+    },
+    /// The border can be reached by no lead.
+    #[error(
+        "no lead of {length} mm has room outside of the border, which begins at ({x:.2}, {y:.2}) mm: take a shorter one \
+         (lead_mm), more room between copies (spacing_mm), or a larger sheet"
+    )]
+    NoRoomForLead {
+        /// Where the border begins.
+        x: f64,
+        /// Where the border begins.
+        y: f64,
+        /// The length asked for.
+        length: f64,
+    },
     /// The test coupon is larger than the sheet.
     #[error(
         "the coupon measures {width:.1} x {height:.1} mm, but the sheet leaves {room_x:.1} x {room_y:.1} mm between its \

@@ -96,7 +96,8 @@ fn layout(paths: &[CutPath], design: &Design, profile: &Profile) -> CutLayout {
     CutLayout {
         sheet: [profile.sheet.width, profile.sheet.height],
         kerf,
+        engravings: Vec::new(),
         paths,
-        notes: notes(profile, part, 1),
+        notes: notes(profile, part, &[]),
     }
 }

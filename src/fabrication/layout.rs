@@ -11,8 +11,10 @@ pub enum CutKind {
     Relief,
     /// A closed cut around a hole of the sheet.
     Window,
-    /// The closed outer cut. Cut last.
+    /// The closed outer cut, or a stretch of it between two tabs. Cut last.
     Border,
+    /// An open path in scrap, from where the beam pierces to where the closed cut or stretch after it begins.
+    Lead,
 }
 
 /// A vertex of a cut path and the shape of the segment that leaves it.
@@ -47,6 +49,24 @@ pub struct Note {
     pub text: String,
 }
 
+/// A text that is engraved but not cut through.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Engraving {
+    /// The text where it stands.
+    pub label: Note,
+    /// What the beam follows, millimetres: open paths of straight segments.
+    pub strokes: Vec<Vec<Point>>,
+}
+
+/// What holds the part in the sheet after its border is cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tabs {
+    /// The middle of each tab of the first copy, on the border's centre line, millimetres, in the border's sense.
+    pub places: Vec<Point>,
+    /// Width of the material that is left between the burned ends of the border's stretches, millimetres.
+    pub width: f64,
+}
+
 /// All cuts of one sheet, in the order in which they are to be cut. The kerf is already applied: paths are
 /// centre lines of the burned groove.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +75,8 @@ pub struct CutLayout {
     pub sheet: [f64; 2],
     /// Width of the burned groove, millimetres.
     pub kerf: f64,
+    /// Texts that are engraved, before anything is cut.
+    pub engravings: Vec<Engraving>,
     /// Cuts in cutting order: inner before outer, border last.
     pub paths: Vec<CutPath>,
     /// Texts on the non-cut layer.

@@ -24,16 +24,16 @@ pub fn applied_words(profile: &Profile) -> String {
 }
 
 /// The notes of a part whose burned box is `part`: above it or else to its right, within the sheet. Lines that
-/// have no room outside the part are left out. `passes`: how often the beam follows each cut.
-pub fn notes(profile: &Profile, part: Rect, passes: usize) -> Vec<Note> {
+/// have no room outside the part are left out. `more`: what else the workshop must know, one line each.
+pub fn notes(profile: &Profile, part: Rect, more: &[String]) -> Vec<Note> {
     let sheet = &profile.sheet;
-    let times = if passes == 1 { String::new() } else { format!(", {passes} times") };
-    let lines = [
+    let mut lines = vec![
         (LETTER, format!("{}: {}, {} mm thick", profile.name, profile.material.name, sheet.thickness)),
         (LETTER, format!("sheet {} x {} mm, millimetres", sheet.width, sheet.height)),
-        (LETTER, applied_words(profile) + &times),
-        (SCALE_MARK, "I = 10 mm".to_string()),
+        (LETTER, applied_words(profile)),
     ];
+    lines.extend(more.iter().map(|line| (LETTER, line.clone())));
+    lines.push((SCALE_MARK, "I = 10 mm".to_string()));
     let width_of = |(height, text): &(f64, String)| height * LETTER_WIDTH * text.chars().count() as f64;
     let height: f64 = lines.iter().map(|(height, _)| height + SPACE).sum();
     let width = lines.iter().map(width_of).fold(0.0, f64::max);

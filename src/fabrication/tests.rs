@@ -1,5 +1,9 @@
 //! The stages together, on exact flat designs, against closed forms and invariances.
 
+mod refused;
+
+mod symmetry;
+
 use std::f64::consts::PI;
 
 use kurbo::Point;
@@ -280,80 +284,6 @@ fn webs_below_the_limit_are_found_where_they_are() {
 }
 
 #[test]
-fn turning_the_sheet_turns_the_cuts() {
-    let (sin, cos) = 0.7_f64.sin_cos();
-    let turn = |x: f64, y: f64| [cos * x - sin * y + 3.0, sin * x + cos * y - 40.0];
-    for (sheet, phi) in sheets() {
-        let design = sheet.design(phi);
-        let (straight, before) = cuts(&design, &profile(), 1.1);
-        let (turned, after) = cuts(&moved(&design, turn), &profile(), 1.1);
-        assert_eq!(straight.paths.len(), turned.paths.len());
-        for (a, b) in straight.paths.iter().zip(&turned.paths) {
-            assert_eq!((a.kind, a.vertices.len()), (b.kind, b.vertices.len()));
-            for (p, q) in a.vertices.iter().zip(&b.vertices) {
-                let [x, y] = turn(p.point.x, p.point.y);
-                assert!(q.point.distance(Point::new(x, y)) < ROUNDING);
-                assert!((p.bulge - q.bulge).abs() < ROUNDING);
-            }
-        }
-        for (a, b) in before.iter().zip(&after) {
-            assert!((a.nearest_cut - b.nearest_cut).abs() < ROUNDING);
-        }
-    }
-}
-
-/// Per path: kind, length and number of vertices, rounded to a nanometre and sorted.
-fn fingerprint(paths: &[CutPath]) -> Vec<(CutKind, i64, usize)> {
-    let mut prints: Vec<_> = paths
-        .iter()
-        .map(|path| (path.kind, (1e6 * length(path)).round() as i64, path.vertices.len()))
-        .collect();
-    prints.sort();
-    prints
-}
-
-#[test]
-fn mirrored_and_renumbered_designs_give_congruent_cuts() {
-    for (sheet, phi) in sheets() {
-        let design = sheet.design(phi);
-        let (cuts_before, _) = cuts(&design, &profile(), 1.1);
-        let mut mirrored = moved(&design, |x, y| [-x, y]);
-        for piece in &mut mirrored.pieces {
-            piece.corners.reverse();
-            piece.closed.reverse();
-        }
-        for hinge in &mut mirrored.hinges {
-            hinge.vertices = hinge.vertices.map(|vertex| 3 - vertex);
-        }
-        let (cuts_mirrored, _) = cuts(&mirrored, &profile(), 1.1);
-        assert_eq!(fingerprint(&cuts_before.paths), fingerprint(&cuts_mirrored.paths));
-
-        let mut renumbered = design.clone();
-        let (pieces, corners) = (design.pieces.len(), design.corners.len());
-        renumbered.pieces.reverse();
-        renumbered.corners.reverse();
-        for piece in &mut renumbered.pieces {
-            piece.corners.iter_mut().for_each(|corner| *corner = corners - 1 - *corner);
-            piece.corners.rotate_left(1);
-            piece.closed.rotate_left(1);
-            piece.open.rotate_left(1);
-        }
-        for hinge in &mut renumbered.hinges {
-            hinge.pieces = hinge.pieces.map(|piece| pieces - 1 - piece);
-            hinge.vertices = hinge.vertices.map(|vertex| (vertex + 3) % 4);
-        }
-        let lengths = vec![1.1; design.hinges.len()];
-        let a = fabricate(&design, &profile(), &lengths).unwrap();
-        let b = fabricate(&renumbered, &profile(), &lengths).unwrap();
-        assert_eq!(fingerprint(&a.layout.paths), fingerprint(&b.layout.paths));
-        for (row, other) in a.hinges.iter().zip(&b.hinges) {
-            assert!((row.point - other.point).norm() < ROUNDING);
-            assert!((row.nearest_cut - other.nearest_cut).abs() < ROUNDING);
-        }
-    }
-}
-
-#[test]
 fn bent_slits_keep_the_ligaments_width() {
     // A smooth map that bends the lattice lines by up to 5 degrees from piece to piece.
     let bend = |x: f64, y: f64| [x + 1.2 * (y / 11.0).sin(), y + 1.2 * (x / 12.0).cos()];
@@ -405,7 +335,7 @@ fn inner_cuts_come_first_and_the_border_last() {
         let rank = |path: &CutPath| match path.kind {
             CutKind::Slit | CutKind::Relief => 0,
             CutKind::Window => 1,
-            CutKind::Border => 2,
+            CutKind::Border | CutKind::Lead => 2,
         };
         assert!(paths.windows(2).all(|pair| rank(&pair[0]) <= rank(&pair[1])));
         assert_eq!(count(&paths, CutKind::Border), 1);
@@ -471,72 +401,4 @@ fn placing_twice_moves_once() {
         assert!((a - b).norm() < ROUNDING);
     }
     assert_eq!(first.design.pieces[3].open, sheet.design(phi).pieces[3].open);
-}
-
-#[test]
-fn bad_designs_are_refused_by_name() {
-    let (sheet, phi) = sheets()[0];
-    let good = sheet.design(phi);
-    let edit = |change: fn(&mut Design)| {
-        let mut design = good.clone();
-        change(&mut design);
-        refused(&design, &profile(), 1.1).to_string()
-    };
-    assert!(edit(|d| d.sheet_state = None).contains("neither state of the design is flat"));
-    assert!(edit(|d| d.hinges.truncate(16)).contains("carries 0 hinges"));
-    assert!(edit(|d| d.hinges[1] = d.hinges[0].clone()).contains("hinges, but it needs exactly one"));
-    assert!(edit(|d| d.hinges[4].pieces[1] = 99).contains("hinge 4: a piece or vertex index"));
-    assert!(edit(|d| d.hinges[4].angle = f64::NAN).contains("hinge 4: its point, axis or angle"));
-    assert!(edit(|d| d.hinges[4].axis *= 0.0).contains("hinge 4: its axis has no direction"));
-    assert!(edit(|d| d.pieces[2].corners[1] = 99).contains("piece 2: corner 99 is out of range"));
-    assert!(edit(|d| d.pieces[2].closed[1].x = f64::INFINITY).contains("piece 2: a vertex is not finite"));
-    assert!(edit(|d| d.pieces[2].corners.truncate(2)).contains("piece 2: it has 2 corners"));
-    assert!(edit(|d| d.pieces[2] = d.pieces[1].clone()).contains("piece 1 has the same side"));
-    assert!(edit(|d| d.corners[3].z = 0.5).contains("must be finite and lie in z = 0"));
-    assert!(edit(|d| d.corners.fill(Point3::origin())).contains("coincide"));
-    assert!(edit(|d| d.corners[1] = d.corners[0] + Vector3::new(1.0, 0.0, 0.0)).contains("1.000 mm long"));
-    let error = fabricate(&good, &profile(), &[1.0]).unwrap_err().to_string();
-    assert!(error.contains("1 ligament lengths were given for 17 hinges"), "{error}");
-    for length in [0.05, f64::NAN, f64::INFINITY] {
-        assert!(matches!(refused(&good, &profile(), length), FabricationError::BadLength { hinge: 0, .. }));
-    }
-}
-
-#[test]
-fn pieces_that_touch_in_one_point_are_refused() {
-    let gap = profile().hinge_gap();
-    let mut sheet = TestSheet::rectangle([3, 3], [10.0, 10.0], gap);
-    sheet.present = |i, j| !((i, j) == (1, 1) || (i, j) == (2, 2));
-    let error = refused(&sheet.design(sheet.full_angle()), &profile(), 1.1).to_string();
-    assert!(error.contains("touch here in one point only"), "{error}");
-    // Two separate parts.
-    sheet.present = |i, _| i != 1;
-    let mut design = sheet.design(sheet.full_angle());
-    for piece in design.pieces.iter_mut().filter(|piece| piece.open.is_empty()) {
-        piece.open = piece.closed.clone();
-    }
-    let error = refused(&design, &profile(), 1.1);
-    assert_eq!(error, FabricationError::SeveralParts { count: 2 });
-}
-
-#[test]
-fn hinges_on_the_wrong_end_are_refused() {
-    let (sheet, phi) = sheets()[0];
-    let mut design = sheet.design(phi);
-    // Move one hinge to the other end of its edge: piece j's next corner, piece k's previous one.
-    let id = design.hinges.iter().position(|h| h.pieces == [5, 6] || h.pieces == [6, 5]).unwrap();
-    let hinge = &design.hinges[id];
-    let corner = |side: usize, step: usize| {
-        let vertex = (hinge.vertices[side] + step) % 4;
-        (vertex, design.pieces[hinge.pieces[side]].corners[vertex])
-    };
-    let vertices = [1, 3]
-        .iter()
-        .flat_map(|&a| [1, 3].map(|b| (corner(0, a), corner(1, b))))
-        .find(|(a, b)| a.1 == b.1)
-        .map(|(a, b)| [a.0, b.0])
-        .unwrap();
-    design.hinges[id].vertices = vertices;
-    let error = refused(&design, &profile(), 1.1).to_string();
-    assert!(error.contains("do not alternate"), "{error}");
 }

@@ -111,6 +111,7 @@ pub fn kind_name(kind: CutKind) -> &'static str {
         CutKind::Relief => "relief",
         CutKind::Window => "window",
         CutKind::Border => "border",
+        CutKind::Lead => "lead",
     }
 }
 

@@ -35,7 +35,7 @@ const STRETCH_TOLERANCE: f64 = 1.0e-3;
 const THIS_VERSION: &str = "this version makes rotating rectangles and bistable sheets, laser-cut";
 
 /// Keys that the job format foresees and this version does not make.
-const NOT_BUILT: [&str; 2] = ["fabrication.sheet_state", "fabrication.machine"];
+const NOT_BUILT: [&str; 1] = ["fabrication.machine"];
 
 /// Two numbers; a list, because a list that is too long fits an array of two without a word.
 type Pair<T> = Spanned<Vec<Spanned<T>>>;
@@ -101,6 +101,13 @@ pub(super) struct RawFabrication {
     pub pierce: Option<Spanned<String>>,
     pub order: Option<Spanned<String>>,
     pub cool_s: Option<Spanned<f64>>,
+    pub cool_mm: Option<Spanned<f64>>,
+    pub leads: Option<Spanned<String>>,
+    pub lead_mm: Option<Spanned<f64>>,
+    pub tabs: Option<Spanned<i64>>,
+    pub tab_mm: Option<Spanned<f64>>,
+    pub engrave: Option<Spanned<bool>>,
+    sheet_state: Option<Spanned<String>>,
 }
 
 /// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
@@ -124,6 +131,7 @@ pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobE
     let opening = opening(&source, raw.pattern.get_ref(), &target)?;
     let gap = source.optional(raw.pattern.get_ref().gap_mm.as_ref(), &GAP)?;
     let fabrication = fabrication(&source, &raw.fabrication, &folder)?;
+    check_sheet_state(&source, &raw.fabrication, &target)?;
     let gap = gap.unwrap_or(fabrication.profile.hinge_gap());
     let pattern = Pattern { kind, grid, stretches, opening, boundary, gap };
     let solver = solver(&source, &raw.solver, opening, kind != Kind::RotatingRectangles)?;
@@ -325,13 +333,18 @@ fn boundary(source: &TomlSource, value: Option<&Spanned<String>>) -> Result<Opti
 }
 
 fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Result<Fabrication, JobError> {
-    let dxf = choice(source, raw.dxf.as_ref(), &[("r2000", DxfVersion::R2000), ("r12", DxfVersion::R12)])?;
+    let dxf = dxf_version(source, raw)?;
     let mut profile = load_profile(source, &raw.profile, folder)?;
     check_process(source, raw, &profile)?;
     override_kerf(source, raw, &mut profile)?;
     override_sheet(source, raw, &mut profile)?;
     let cut = cut_options(source, raw, &profile)?;
-    Ok(Fabrication { profile, dxf: dxf.unwrap_or_default(), cut })
+    Ok(Fabrication { profile, dxf, cut })
+}
+
+pub(super) fn dxf_version(source: &TomlSource, raw: &RawFabrication) -> Result<DxfVersion, TomlError> {
+    let versions = [("r2000", DxfVersion::R2000), ("r12", DxfVersion::R12)];
+    Ok(choice(source, raw.dxf.as_ref(), &versions)?.unwrap_or_default())
 }
 
 fn load_profile(source: &TomlSource, name: &Spanned<String>, folder: &Path) -> Result<Profile, JobError> {
@@ -349,6 +362,23 @@ fn load_profile(source: &TomlSource, name: &Spanned<String>, folder: &Path) -> R
     })
 }
 
+/// The sheet is the state that is "flat": the other one is a surface of its own. A job may say so.
+fn check_sheet_state(source: &TomlSource, raw: &RawFabrication, target: &Target) -> Result<(), TomlError> {
+    let words = [("closed", &target.closed), ("open", &target.open)];
+    let Some(value) = &raw.sheet_state else { return Ok(()) };
+    match choice(source, Some(value), &words)? {
+        Some(Shape::Flat) | None => Ok(()),
+        Some(_) => {
+            let state = value.get_ref();
+            let what = format!("not possible: {state} is not \"flat\" in this job's [target]");
+            let help = format!(
+                "the sheet is cut in the state that is \"flat\": {state} = \"flat\", or leave the key out"
+            );
+            Err(source.value_error(value.span(), &what, help))
+        }
+    }
+}
+
 /// A job may repeat what its profile says.
 fn check_process(source: &TomlSource, raw: &RawFabrication, profile: &Profile) -> Result<(), TomlError> {
     let words = [("laser", Process::Laser), ("milling", Process::Milling)];
@@ -362,7 +392,11 @@ fn check_process(source: &TomlSource, raw: &RawFabrication, profile: &Profile) -
     Err(source.value_error(value.span(), &what, "leave the key out, or take another profile"))
 }
 
-fn override_kerf(source: &TomlSource, raw: &RawFabrication, profile: &mut Profile) -> Result<(), TomlError> {
+pub(super) fn override_kerf(
+    source: &TomlSource,
+    raw: &RawFabrication,
+    profile: &mut Profile,
+) -> Result<(), TomlError> {
     let Some(value) = &raw.kerf_mm else { return Ok(()) };
     if profile.process == Process::Milling {
         let radius = TOOL_RADIUS.range;
@@ -383,7 +417,11 @@ fn override_kerf(source: &TomlSource, raw: &RawFabrication, profile: &mut Profil
     Ok(())
 }
 
-fn override_sheet(source: &TomlSource, raw: &RawFabrication, profile: &mut Profile) -> Result<(), TomlError> {
+pub(super) fn override_sheet(
+    source: &TomlSource,
+    raw: &RawFabrication,
+    profile: &mut Profile,
+) -> Result<(), TomlError> {
     let Some(value) = &raw.sheet_mm else { return Ok(()) };
     let [width, height] = pair(source, value)?;
     for side in [width, height] {

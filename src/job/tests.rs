@@ -1,10 +1,14 @@
 use std::f64::consts::SQRT_2;
 
 use super::*;
-use crate::fabrication::plan::{CutOrder, Pierce};
+use crate::fabrication::plan::{CutOrder, LeadShape, Leads, Pierce, TabWish};
 use crate::geometry::Point3;
 use crate::kirigami::{stage2, stage3};
 use crate::toml_source::{Diagnostic, corruption};
+
+mod bistable;
+
+mod cut;
 
 const JOB: &str = r#"[target]
 open = "roof.obj"
@@ -29,9 +33,15 @@ dxf = "r12"
 copies = 2
 spacing_mm = 3
 passes = 4
-pierce = "mid-slit"
+pierce = "scrap"
 order = "heat"
 cool_s = 7.5
+cool_mm = 6
+leads = "line"
+lead_mm = 1.5
+tabs = 3
+tab_mm = 0.6
+engrave = true
 
 [solver]
 stage-2 = { fair = 0.01, prox = 0 }
@@ -98,8 +108,11 @@ fn a_job_that_says_everything() {
             copies: 2,
             spacing: 3.0,
             passes: 4,
-            pierce: Pierce::MidSlit,
-            order: CutOrder::Heat(7.5),
+            pierce: Pierce::Scrap,
+            order: CutOrder::Heat { cool: 7.5, within: Some(6.0) },
+            leads: Some(Leads { shape: LeadShape::Line, length: 1.5 }),
+            tabs: Some(TabWish { count: 3, width: 0.6 }),
+            engrave: Some("roof".to_owned()),
         }
     );
     let profile = &job.fabrication.profile;
@@ -110,10 +123,9 @@ fn a_job_that_says_everything() {
 fn keys_left_out_have_their_documented_defaults() {
     let folder = Folder::new("defaults");
     let mut shortest = JOB.to_owned();
-    // The closed target's own size needs two meshes, a weight its guide.
-    for (key, _) in
-        DEFAULTS.into_iter().filter(|(key, _)| !["target.closed_size_mm", "guide.weight"].contains(key))
-    {
+    // The closed target's own size needs two meshes, a weight its guide; the sheet's state may be said, never chosen.
+    let elsewhere = ["target.closed_size_mm", "guide.weight", "fabrication.sheet_state"];
+    for (key, _) in DEFAULTS.into_iter().filter(|(key, _)| !elsewhere.contains(key)) {
         let name = key.rsplit('.').next().unwrap();
         folder.read(&with(name, "")).unwrap_or_else(|error| panic!("{key}: {error}"));
         shortest = shortest.lines().filter(|line| !line.starts_with(name)).collect::<Vec<_>>().join("\n");
@@ -288,12 +300,31 @@ fn pieces_come_from_a_grid_or_from_a_mesh_file() {
 }
 
 #[test]
+fn the_sheet_state_is_the_flat_one() {
+    let folder = Folder::new("sheet-state");
+    let said = |closed: &str, open: &str, state: &str| {
+        let text = JOB.replace("closed = \"flat\"", &format!("closed = \"{closed}\""));
+        let text = text.replace("open = \"roof.obj\"", &format!("open = \"{open}\""));
+        text.replace("engrave = true", &format!("sheet_state = \"{state}\""))
+    };
+    let flat_closed = |state: &str| said("flat", "roof.obj", state);
+    assert_eq!(folder.read(&flat_closed("closed")).unwrap().target.closed, Shape::Flat);
+    folder.read(&said("roof.obj", "flat", "open")).unwrap();
+    for (text, state) in [(flat_closed("open"), "open"), (said("roof.obj", "roof.obj", "closed"), "closed")] {
+        let found = folder.diagnostic(&text);
+        assert_eq!(found.key, "fabrication.sheet_state");
+        assert!(
+            found.message.contains(&format!("{state} is not \"flat\" in this job's [target]")),
+            "{found}"
+        );
+    }
+    assert!(folder.diagnostic(&flat_closed("both")).message.contains("\"closed\", \"open\""));
+}
+
+#[test]
 fn what_is_not_built_is_refused_in_words() {
     let folder = Folder::new("words");
-    let lines = [
-        ("dxf", "sheet_state = \"open\"", "fabrication.sheet_state"),
-        ("dxf", "machine = \"x\"", "fabrication.machine"),
-    ];
+    let lines = [("dxf", "machine = \"x\"", "fabrication.machine")];
     for (key, line, named) in lines {
         let found = folder.diagnostic(&with(key, line));
         assert_eq!(found.key, named);
@@ -365,55 +396,7 @@ fn each_key_refuses_impossible_values_by_name() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 7 * 22);
-}
-
-/// The job as one of bistable sheets, with more lines in its pattern.
-fn bistable(lines: &str) -> String {
-    let rotating = ["stretches", "opening"];
-    let kept = JOB.lines().filter(|line| !rotating.iter().any(|key| line.starts_with(key)));
-    let text: Vec<&str> = kept.take_while(|line| !line.starts_with("[solver]")).collect();
-    let kind = format!("kind = \"bistable\"\n{lines}");
-    text.join("\n").replace("kind = \"rotating-rectangles\"", &kind)
-}
-
-#[test]
-fn bistable_cells_have_their_documented_defaults_and_obey_inequality_3() {
-    let folder = Folder::new("bistable");
-    let plain = folder.read(&bistable("")).unwrap();
-    let given: Vec<String> = BISTABLE_DEFAULTS[..5]
-        .iter()
-        .map(|(key, value)| format!("{}\n", key.replace("pattern.", "") + " = " + value))
-        .collect();
-    assert_eq!(folder.read(&bistable(&given.concat())).unwrap(), plain);
-    let weights = BISTABLE_DEFAULTS[5..]
-        .iter()
-        .map(|(key, value)| format!("{} = {value}\n", key.replace("solver.", "")));
-    let solver = format!("{}\n[solver]\n{}", bistable(""), weights.collect::<String>());
-    assert_eq!(folder.read(&solver).unwrap(), plain);
-    let Kind::Bistable(cell) = plain.pattern.kind else { panic!("bistable") };
-    assert_eq!(plain.pattern.stretches, cell.stretches());
-    for (lines, key, said) in [
-        // b < B cos phi - A sin phi = 0.642: the sides a, prolonged, miss.
-        ("b = 0.7", "pattern.b", "sides a, prolonged, miss the cell's left and right edges by 0.0305"),
-        ("a = 0.7", "pattern.a", "sides b, prolonged, miss the cell's top and bottom edges by 0.0305"),
-        (
-            "phi_deg = 30",
-            "pattern.phi_deg",
-            "sides a, prolonged, miss the cell's left and right edges by 0.0312",
-        ),
-        ("stretches = [1.4, 1.4]", "pattern.stretches", "does not go with kind = \"bistable\""),
-        ("opening = \"full\"", "pattern.opening", "does not go with kind = \"bistable\""),
-        ("a = -1.0", "pattern.a", "0.001 to 1000"),
-    ] {
-        let found = folder.diagnostic(&bistable(lines));
-        assert_eq!(found.key, key, "{found}");
-        assert!(found.message.contains(said), "{found}");
-    }
-    assert!(folder.diagnostic(&bistable("b = 0.7")).help.contains("b must be less than 0.6420"));
-    assert!(folder.diagnostic(&bistable("phi_deg = 30")).help.contains("phi_deg = 27.7"));
-    let found = folder.diagnostic(&with("kind", "kind = \"rotating-rectangles\"\nphi_deg = 18"));
-    assert!(found.message.contains("phi_deg does not go with"), "{found}");
+    assert_eq!(tried, 7 * 28);
 }
 
 #[test]

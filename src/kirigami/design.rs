@@ -75,7 +75,8 @@ pub struct Hinge {
 /// A designed sheet.
 ///
 /// Pieces tile the sheet: two pieces that share two consecutive corners (in opposite order) are neighbours
-/// across the edge between those corners, and that edge carries exactly one hinge, at one of its two ends.
+/// across the edge between those corners. Of rotating pieces that edge carries one hinge at most, at one of its two ends, and
+/// none where the sheet is cut apart; of bistable sheets one or none, and none between two of the pieces that only move.
 /// At an inner corner of valence 4 two opposite edges have their hinge there; the slit along the other two
 /// passes straight through the corner, between the two hinges.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,6 +7,7 @@
 use super::control_mesh::{ControlMesh, Layouts, LinearMap, stage1};
 use super::cover::Cover;
 use super::design::Design;
+use super::phases;
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point3, Vector3};
 use crate::solver::{Report, Run, Step, Termination};
@@ -54,23 +55,18 @@ pub trait Family {
     /// How far the pattern over a grid has moved since `first`.
     fn displacement(&self, cover: &Cover, first: &Self::Pattern, pattern: &Self::Pattern) -> Displacement;
 
+    /// Unlike gaps, as [`Climb::space`] has them: puts the hinge points `halves` from their corners, in the design's order of
+    /// hinges, and makes the pieces congruent again.
+    fn space(
+        &self,
+        level: &Level,
+        pattern: Self::Pattern,
+        halves: &[f64],
+        run: &mut Run,
+    ) -> (Self::Pattern, Report);
+
     /// The pieces and hinges of a pattern.
     fn design(&self, level: &Level, pattern: &Self::Pattern) -> Design;
-
-    /// Whether hinge points may stand apart by what each of them needs.
-    const SETTLES: bool = false;
-
-    /// Moves hinge points to the distances from their corners' midpoints that `halves` gives for a design, in the order of
-    /// its hinges; `None` where they are to stay.
-    fn settle(
-        &self,
-        _level: &Level,
-        pattern: Self::Pattern,
-        _halves: &dyn Fn(&Design) -> Option<Vec<f64>>,
-        _run: &mut Run,
-    ) -> (Self::Pattern, Vec<Report>) {
-        (pattern, Vec::new())
-    }
 }
 
 /// What all levels have in common.
@@ -96,6 +92,9 @@ pub struct Reached<P> {
 /// A pattern whose hard phase begins or ends with more than this, in sums of squared residuals, says nothing about finer
 /// ones: it was torn, or far from the target.
 const SOUND: [f64; 2] = [1e-2, 1e-6];
+
+/// Rounds in which the hinge points follow the angles and axes that they change.
+const SPACING_ROUNDS: usize = 2;
 
 /// A level that has been optimised.
 struct Done<P> {
@@ -149,6 +148,37 @@ impl<F: Family> Climb<'_, F> {
         }
         let Done { number: level, pattern, .. } = done.expect("at least one level");
         Reached { level, pattern, reports }
+    }
+
+    /// Hinge points that stand apart by what each of them needs: the last step of the optimisation.
+    ///
+    /// Stages 2 and 3 know one gap for all corners. What a hinge needs, half of its gap as `halves` gives it for a design in
+    /// the order of its hinges (mm), depends on its own angle and axis, which are known only then; it differs little from
+    /// the common gap. So the points are moved there, and the pieces are made congruent again, with nothing else to decide.
+    /// Angles and axes change by less still. Where `halves` knows nothing the pattern stays.
+    pub fn space(
+        &self,
+        level: usize,
+        mut pattern: F::Pattern,
+        halves: &dyn Fn(&Design) -> Option<Vec<f64>>,
+        run: &mut Run,
+    ) -> (F::Pattern, Vec<Report>) {
+        let level = &self.levels[level];
+        let mut reports = Vec::new();
+        for round in 0..SPACING_ROUNDS {
+            let Some(halves) = halves(&self.family.design(level, &pattern)) else { break };
+            let later = (SPACING_ROUNDS - 1 - round) * phases::hard().options.iterations;
+            let watch = &mut |step: &Step| (run.watch)(&Step { phase: round, later, ..*step });
+            let report;
+            (pattern, report) =
+                self.family.space(level, pattern, &halves, &mut Run { journal: run.journal, watch });
+            let interrupted = report.termination == Termination::Interrupted;
+            reports.push(report);
+            if interrupted {
+                break;
+            }
+        }
+        (pattern, reports)
     }
 
     /// Most steps of Stage 3 on this level and all finer ones.

@@ -32,8 +32,6 @@ pub mod stage3;
 
 pub mod rotating;
 
-pub mod uneven;
-
 pub mod design;
 
 pub mod hinges;

@@ -5,11 +5,12 @@ use super::cover::Cover;
 use super::design::Design;
 use super::hinges;
 use super::levels::{Displacement, Family, Level, mean_displacement};
-use super::pattern::{Opening, Pattern, initial_pattern};
+use super::pattern::{Opening, Pattern, Unknowns, initial_pattern};
+use super::pattern_terms::hard_terms;
+use super::phases::hard;
 use super::stage2::{self, Cells, stage2};
-use super::uneven;
 use super::stage3::{self, Problem, Regime, stage3};
-use crate::solver::{Options, Report, Run};
+use crate::solver::{Options, Report, Run, System};
 
 /// What Stages 2 and 3 need to know beside the grid.
 pub struct Rotating<'a> {
@@ -60,23 +61,22 @@ impl Family for Rotating<'_> {
         displacement(cover, first, pattern)
     }
 
-    fn design(&self, level: &Level, pattern: &Pattern) -> Design {
-        hinges::design(&level.cover.mesh, pattern, level.gap, self.goals.sheet_state())
+    fn space(&self, level: &Level, mut pattern: Pattern, halves: &[f64], run: &mut Run) -> (Pattern, Report) {
+        let Level { cover, gap } = level;
+        let scale = cover.cell.edge();
+        let at = Unknowns::new(&cover.mesh, &self.goals);
+        pattern.spread_offsets(&cover.mesh, *gap, halves);
+        let mut x = at.pack(&pattern, scale);
+        let terms = || hard_terms(&cover.mesh, &at, &pattern, scale);
+        let mut system = System::new(at.places(cover));
+        let report =
+            run.journal.minimize("uneven-gaps", &mut system, terms, &mut x, &hard().options, run.watch);
+        at.unpack(&x, scale, &mut pattern);
+        (pattern, report)
     }
 
-    const SETTLES: bool = true;
-
-    fn settle(
-        &self,
-        level: &Level,
-        pattern: Pattern,
-        halves: &dyn Fn(&Design) -> Option<Vec<f64>>,
-        run: &mut Run,
-    ) -> (Pattern, Vec<Report>) {
-        let Level { cover, gap } = level;
-        let even = vec![0.5 * gap; cover.mesh.edges.len()];
-        let halves = |pattern: &Pattern| halves(&self.design(level, pattern)).unwrap_or_else(|| even.clone());
-        uneven::settle(cover, &self.goals, (pattern, *gap), halves, run)
+    fn design(&self, level: &Level, pattern: &Pattern) -> Design {
+        hinges::design(&level.cover.mesh, pattern, level.gap, self.goals.sheet_state())
     }
 }
 

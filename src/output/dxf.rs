@@ -2,7 +2,8 @@
 //!
 //! The dxf crate writes the bulk; `PairFilter` mends on the way out what readers reject (table heads without
 //! handles, subclass markers in R12) and what would differ from run to run (dates and identifiers). Every entity
-//! is in cutting order on the layer of its kind: SLIT, RELIEF, WINDOW and BORDER are cut, NOTE is not.
+//! is in cutting order on the layer of its kind: SLIT, RELIEF, WINDOW, BORDER and LEAD are cut, ENGRAVE (which comes
+//! first) is not cut through, NOTE is nothing for the machine. LEAD and ENGRAVE are there only where they are used.
 //! Coordinates have twelve decimals. The same layout gives the same bytes, in every time zone.
 
 mod pair_filter;
@@ -14,11 +15,11 @@ use dxf::enums::{AcadVersion, DrawingUnits, Units};
 use dxf::tables::Layer as DxfLayer;
 use dxf::{Color, Drawing, Handle, LwPolylineVertex, Point};
 
-use crate::fabrication::layout::{CutLayout, CutPath, Note};
+use crate::fabrication::layout::{CutKind, CutLayout, CutPath, Note};
 
 use super::bulge_arc::BulgeArc;
 use super::layout_fault::{self, LayoutFault};
-use super::{BORDER, NOTE, RELIEF, SLIT, WINDOW, layer_of, plain_line};
+use super::{BORDER, ENGRAVE, LEAD, NOTE, RELIEF, SLIT, WINDOW, layer_of, plain_line};
 use pair_filter::PairFilter;
 
 /// Which DXF is written.
@@ -74,6 +75,14 @@ pub fn write<W: Write>(
     let mut drawing = empty_drawing(layout, version);
     let first_table_handle = drawing.header.next_available_handle.0;
     drawing.header.next_available_handle = Handle(first_table_handle + TABLE_HANDLES);
+    for stroke in layout.engravings.iter().flat_map(|engraving| &engraving.strokes) {
+        match version {
+            DxfVersion::R2000 => add(&mut drawing, ENGRAVE.name, EntityType::LwPolyline(stroke_line(stroke))),
+            DxfVersion::R12 => stroke.windows(2).for_each(|pair| {
+                add(&mut drawing, ENGRAVE.name, EntityType::Line(Line::new(at(pair[0]), at(pair[1]))));
+            }),
+        }
+    }
     for path in &layout.paths {
         let layer = layer_of(path.kind).name;
         match version {
@@ -106,7 +115,9 @@ fn empty_drawing(layout: &CutLayout, version: DxfVersion) -> Drawing {
     header.drawing_units = DrawingUnits::Metric;
     header.maximum_drawing_limits = Point::new(width, height, 0.0);
     header.maximum_drawing_extents = Point::new(width, height, 0.0);
-    for layer in [&SLIT, &RELIEF, &WINDOW, &BORDER, &NOTE] {
+    let leads = layout.paths.iter().any(|path| path.kind == CutKind::Lead).then_some(&LEAD);
+    let engraved = (!layout.engravings.is_empty()).then_some(&ENGRAVE);
+    for layer in [&SLIT, &RELIEF, &WINDOW, &BORDER, &NOTE].into_iter().chain(leads).chain(engraved) {
         drawing.add_layer(DxfLayer {
             name: layer.name.to_string(),
             color: Color::from_index(layer.aci),
@@ -125,6 +136,11 @@ fn add(drawing: &mut Drawing, layer: &str, specific: EntityType) {
     let mut entity = Entity::new(specific);
     entity.common.layer = layer.to_string();
     drawing.add_entity(entity);
+}
+
+fn stroke_line(points: &[kurbo::Point]) -> LwPolyline {
+    let vertex = |p: &kurbo::Point| LwPolylineVertex { x: p.x, y: p.y, ..Default::default() };
+    LwPolyline { vertices: points.iter().map(vertex).collect(), ..Default::default() }
 }
 
 fn polyline(path: &CutPath) -> LwPolyline {

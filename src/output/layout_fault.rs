@@ -118,7 +118,8 @@ pub fn check(layout: &CutLayout) -> Result<(), LayoutFault> {
     for (index, path) in layout.paths.iter().enumerate() {
         check_path(index, path)?;
     }
-    for (note, Note { position, height, .. }) in layout.notes.iter().enumerate() {
+    let labels = layout.engravings.iter().map(|engraving| &engraving.label);
+    for (note, Note { position, height, .. }) in layout.notes.iter().chain(labels).enumerate() {
         if !(position.is_finite() && height.is_finite() && *height > 0.0) {
             return Err(LayoutFault::BadNote { note, x: position.x, y: position.y, height: *height });
         }
@@ -165,7 +166,7 @@ mod tests {
     fn layout(closed: bool, vertices: &[(f64, f64, f64)]) -> CutLayout {
         let vertices = vertices.iter().map(|&(x, y, bulge)| PathVertex { point: Point::new(x, y), bulge });
         let path = CutPath { kind: CutKind::Slit, vertices: vertices.collect(), closed };
-        CutLayout { sheet: [10.0, 10.0], kerf: 0.05, paths: vec![path], notes: vec![] }
+        CutLayout { sheet: [10.0, 10.0], kerf: 0.05, engravings: vec![], paths: vec![path], notes: vec![] }
     }
 
     #[test]

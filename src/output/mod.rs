@@ -49,6 +49,9 @@ const RELIEF: Layer = Layer { name: "RELIEF", class: "relief", aci: 5, rgb: "#00
 const WINDOW: Layer = Layer { name: "WINDOW", class: "window", aci: 3, rgb: "#00ff00" };
 // Magenta, not index 7: 7 is black or white by the reader's background.
 const BORDER: Layer = Layer { name: "BORDER", class: "border", aci: 6, rgb: "#ff00ff" };
+const LEAD: Layer = Layer { name: "LEAD", class: "lead", aci: 4, rgb: "#00ffff" };
+/// Not cut through.
+const ENGRAVE: Layer = Layer { name: "ENGRAVE", class: "engrave", aci: 30, rgb: "#ff7f00" };
 const NOTE: Layer = Layer { name: "NOTE", class: "note", aci: 8, rgb: "#808080" };
 
 fn layer_of(kind: CutKind) -> &'static Layer {
@@ -57,6 +60,7 @@ fn layer_of(kind: CutKind) -> &'static Layer {
         CutKind::Relief => &RELIEF,
         CutKind::Window => &WINDOW,
         CutKind::Border => &BORDER,
+        CutKind::Lead => &LEAD,
     }
 }
 

@@ -1,4 +1,5 @@
-//! `cut.svg`: millimetres, true arcs, one `<path>` per cut in cutting order; notes are `<text>`.
+//! `cut.svg`: millimetres, true arcs, one `<path>` per cut in cutting order; notes are `<text>`, and so is what the
+//! DXF holds as strokes to engrave: every shape is cut through.
 //!
 //! The sheet's y axis points up and the picture's down, so y is flipped in the numbers (not by a transform,
 //! which some laser programs drop): the picture shows the sheet as it lies on the machine. Coordinates have at
@@ -14,7 +15,7 @@ use crate::fabrication::layout::{CutLayout, CutPath, Note};
 
 use super::bulge_arc::BulgeArc;
 use super::layout_fault::{self, LayoutFault};
-use super::{NOTE, layer_of, plain_line};
+use super::{ENGRAVE, Layer, NOTE, layer_of, plain_line};
 
 /// Why no SVG was written.
 #[derive(Debug, thiserror::Error)]
@@ -50,11 +51,14 @@ pub fn write<W: Write>(layout: &CutLayout, comments: &[String], mut out: W) -> R
     for comment in comments {
         document = document.add(Comment::new(comment_text(comment)));
     }
+    for engraving in &layout.engravings {
+        document = document.add(text_element(&engraving.label, &ENGRAVE, height));
+    }
     for path in &layout.paths {
         document = document.add(path_element(path, height));
     }
     for note in &layout.notes {
-        document = document.add(note_element(note, height));
+        document = document.add(text_element(note, &NOTE, height));
     }
     ::svg::write(&mut out, &document)?;
     out.write_all(b"\n")?;
@@ -71,10 +75,10 @@ fn path_element(path: &CutPath, sheet_height: f64) -> Path {
         .set("d", path_data(path, sheet_height))
 }
 
-fn note_element(note: &Note, sheet_height: f64) -> Text {
+fn text_element(note: &Note, layer: &Layer, sheet_height: f64) -> Text {
     Text::new(plain_line(&note.text))
-        .set("class", NOTE.class)
-        .set("fill", NOTE.rgb)
+        .set("class", layer.class)
+        .set("fill", layer.rgb)
         .set("font-family", "sans-serif")
         .set("font-size", decimal(note.height / CAP_HEIGHT))
         .set("x", decimal(note.position.x))

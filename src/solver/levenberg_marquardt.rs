@@ -160,7 +160,7 @@ pub struct System {
 
 impl System {
     /// A system over unknowns at these places: one place in a plane for each, such that coupled unknowns lie near
-    /// each other (see [`super::dissection`]).
+    /// each other (see `solver::dissection`).
     pub fn new(places: Vec<[f64; 2]>) -> Self {
         let n = places.len();
         Self {

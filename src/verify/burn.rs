@@ -10,9 +10,6 @@ use std::collections::BTreeMap;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-use i_overlay::mesh::float::stroke::offset::StrokeOffset;
-use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
-use i_overlay::mesh::math::MathMode;
 use kurbo::{Point, Rect};
 use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -25,12 +22,9 @@ use super::fault::{Check, Fault};
 use super::grooves::{FLAT, Grooves};
 use super::machine_file::MachineFile;
 use crate::fabrication::layout::{CutKind, CutPath};
-use crate::fabrication::outline::{Contour, area, contour_box, inner_point as clear_point};
+use crate::fabrication::outline::{Contour, area, contour_box, inner_point, stroke};
 use crate::fabrication::states::sheet_vertices;
 use crate::geometry::union_find::UnionFind;
-
-/// Step of the round ends in radians: leaves a 0.05 mm kerf's circle by a third of a micrometre.
-const CAP_STEP: f64 = 0.3;
 
 /// What the burned sheet holds.
 pub(super) struct Burned {
@@ -64,7 +58,7 @@ pub(super) fn check(
         .map(|piece| {
             let vertices = sheet_vertices(wanted.design, piece);
             let polygon: Vec<[f64; 2]> = vertices.iter().map(|v| [v.x, v.y]).collect();
-            let [x, y] = clear_point(&polygon, kerf);
+            let [x, y] = inner_point(&polygon, kerf);
             let middle = Point::new(x, y);
             let burned = grooves.nearest(middle).is_none_or(|(distance, _)| distance <= 0.5 * kerf);
             let reason = match (outside.around(middle), windows.around(middle)) {
@@ -197,26 +191,18 @@ fn holes(
     kerf: f64,
     windows: &Windows,
 ) -> Vec<(Point, f64, usize)> {
-    let style = StrokeStyle::new(kerf)
-        .line_join(LineJoin::Round(CAP_STEP))
-        .start_cap(LineCap::Round(CAP_STEP))
-        .end_cap(LineCap::Round(CAP_STEP))
-        .math(MathMode::Float);
     let lines = |closed: bool| -> Vec<Contour> {
-        members
-            .iter()
-            .filter(|&&path| paths[path].closed == closed)
-            .map(|&path| contour(&paths[path]))
-            .collect()
+        let of_kind = members.iter().filter(|&&path| paths[path].closed == closed);
+        of_kind.map(|&path| contour(&paths[path])).collect()
     };
-    let mut grooves = lines(false).stroke(style.clone(), false);
-    grooves.extend(lines(true).stroke(style, true));
+    let mut grooves = stroke(lines(false), kerf, false);
+    grooves.extend(stroke(lines(true), kerf, true));
     let none: Vec<Contour> = Vec::new();
     let united = grooves.overlay(&none, OverlayRule::Union, FillRule::NonZero);
     let mut holes: Vec<(Point, f64, usize)> = united
         .iter()
         .flat_map(|shape| shape.iter().skip(1))
-        .map(|hole| (inner_point(hole), area(hole).abs(), members[0]))
+        .map(|hole| (level_point(hole), area(hole).abs(), members[0]))
         .filter(|(at, size, _)| *size > kerf * kerf && windows.around(*at).is_none())
         .collect();
     holes.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.x.total_cmp(&b.0.x)));
@@ -226,8 +212,9 @@ fn holes(
     holes
 }
 
-/// A point inside of a contour: the middle of the widest stretch of a level line.
-fn inner_point(contour: &Contour) -> Point {
+/// A point inside of a contour: the middle of the widest stretch of a level line. The border's hole has as many vertices as
+/// the sheet has pieces: no time for [`inner_point`]'s search of a place far from all sides.
+fn level_point(contour: &Contour) -> Point {
     let place = contour_box(contour);
     // Off the middle by an odd part, so that no vertex lies on the line.
     let y = place.y0 + 0.487_123 * place.height();

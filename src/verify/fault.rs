@@ -41,6 +41,12 @@ pub enum Check {
     Copies,
     /// The features of a test coupon have their sizes.
     Size,
+    /// Leads lie in scrap and lead into a closed cut.
+    Lead,
+    /// The border is cut but for the tabs that the report tells of.
+    Tab,
+    /// What is engraved lies on pieces, clear of all cuts.
+    Engraving,
 }
 
 impl Check {
@@ -49,7 +55,9 @@ impl Check {
         match self {
             Self::Design => "make the files again, all of them from one design, or name the right folder",
             Self::Units => "write or export the file in millimetres",
-            Self::Layer => "put every cut on SLIT, RELIEF, WINDOW or BORDER and every text on NOTE",
+            Self::Layer => {
+                "put every cut on SLIT, RELIEF, WINDOW, BORDER or LEAD, every text on NOTE and what is engraved on ENGRAVE"
+            }
             Self::Numbers => "make the files again; do not cut this one",
             Self::Agreement => "make both files again, and change neither by hand",
             Self::Segment => "merge the segment's ends",
@@ -62,6 +70,9 @@ impl Check {
             Self::Body => "make the files again: a cut was moved, added or closed",
             Self::Ligament => "make the files again, or correct the profile's kerf if that is what differs",
             Self::Size => "make the files again: a cut was moved or lost",
+            Self::Lead => "make the files again, with shorter leads if they were not changed",
+            Self::Tab => "make the files again, and change none by hand",
+            Self::Engraving => "make the files again; do not engrave this one",
             Self::Copies => "make the files again, and change none by hand",
             Self::Piece => "make the files again: a cut was moved, scaled, added or lost",
         }

@@ -12,6 +12,8 @@ pub(super) struct MachineFile {
     pub name: &'static str,
     /// The cuts in cutting order, millimetres, y up.
     pub paths: Vec<CutPath>,
+    /// What is engraved: open paths of straight segments.
+    pub engraved: Vec<Vec<Point>>,
     /// The hash of the design that it names.
     pub hash: Option<String>,
     /// What does not belong into a cut file.
@@ -40,7 +42,7 @@ pub fn hash_comment(hash: &str) -> String {
 
 impl MachineFile {
     pub(super) fn new(name: &'static str) -> Self {
-        Self { name, paths: Vec::new(), hash: None, faults: Vec::new() }
+        Self { name, paths: Vec::new(), engraved: Vec::new(), hash: None, faults: Vec::new() }
     }
 
     /// Takes note of a comment.
@@ -72,15 +74,19 @@ impl MachineFile {
 }
 
 /// The layers that are cut, as the contract with the workshop names them: DXF layer, colour in the SVG.
-const LAYERS: [(CutKind, &str, &str); 4] = [
+const LAYERS: [(CutKind, &str, &str); 5] = [
     (CutKind::Slit, "SLIT", "#ff0000"),
     (CutKind::Relief, "RELIEF", "#0000ff"),
     (CutKind::Window, "WINDOW", "#00ff00"),
     (CutKind::Border, "BORDER", "#ff00ff"),
+    (CutKind::Lead, "LEAD", "#00ffff"),
 ];
 
 /// The layer of texts.
 pub(super) const NOTE: &str = "NOTE";
+
+/// The layer of what is engraved.
+pub(super) const ENGRAVE: &str = "ENGRAVE";
 
 /// The kind of cut on a layer of this name.
 pub(super) fn kind_of(layer: &str) -> Option<CutKind> {

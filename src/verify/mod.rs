@@ -6,7 +6,8 @@
 //!
 //! ```text
 //! cut.dxf ──read_dxf──┐                ┌─ paths: numbers, layers, closed, border last, stock, webs, ends
-//! cut.svg ──read_svg──┴─> [CutPath] ───┼─ burn: bodies, pieces held
+//! cut.svg ──read_svg──┴─> [CutPath] ───┤─ finish: leads, tabs, engraving
+//!                                      ├─ burn: bodies, pieces held
 //!                      agreement       ├─ ligaments: width, neck, centre
 //!                                      └─ pieces: a cut along every side, no cut elsewhere
 //! ```
@@ -24,6 +25,8 @@ mod copies;
 mod coupon;
 
 mod fault;
+
+mod finish;
 
 mod grooves;
 
@@ -43,7 +46,7 @@ mod report;
 
 use kurbo::{Point, Vec2};
 
-use crate::fabrication::layout::CutPath;
+use crate::fabrication::layout::{CutPath, Tabs};
 use crate::kirigami::design::Design;
 use crate::profile::Profile;
 
@@ -68,6 +71,8 @@ pub struct Wanted<'a> {
     pub hash: &'a str,
     /// Where every copy of the part lies, from the design's coordinates, millimetres; [`ONE_PART`] is the part alone.
     pub copies: &'a [Vec2],
+    /// What holds each part when its border is cut.
+    pub tabs: Option<&'a Tabs>,
 }
 
 /// The place of a part that is alone on its sheet.
@@ -96,6 +101,10 @@ pub struct Verified {
 pub struct Figures {
     /// Number and length of the cuts per layer, in the layers' order.
     pub cuts: Vec<(&'static str, usize, f64)>,
+    /// Number and length of the strokes that are engraved.
+    pub engraved: (usize, f64),
+    /// Least and largest width of the tabs; `None` where there are none.
+    pub tab_widths: Option<[f64; 2]>,
     /// Largest distance between the two files.
     pub files_apart: f64,
     /// Least distance of a groove from the stock's edge, negative outside.
@@ -124,6 +133,8 @@ impl Figures {
     /// Of no cut.
     const NOTHING: Figures = Figures {
         cuts: Vec::new(),
+        engraved: (0, 0.0),
+        tab_widths: None,
         files_apart: 0.0,
         stock_distance: f64::INFINITY,
         shortest_segment: f64::INFINITY,
@@ -200,14 +211,20 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
     }
     let stock_distance = paths::check_stock(file, wanted.profile, &mut faults);
     let shortest_segment = paths::check_segments(file, &mut faults);
+    let whole = finish::whole(file, wanted, &mut faults);
+    let (file, raw) = (&whole.file, file);
     if !paths::check_borders(file, wanted.copies.len(), &mut faults) {
         return (None, faults);
     }
+    finish::check_leads(&whole, wanted, &mut faults);
+    finish::check_engraving(raw, wanted, &mut faults);
     let of_sheet = Figures {
-        cuts: paths::cuts(&file.paths),
+        cuts: paths::cuts(&raw.paths),
+        engraved: finish::engraved_length(raw),
+        tab_widths: whole.tab_widths,
         stock_distance,
         shortest_segment,
-        end_gap: paths::end_gap(&file.paths),
+        end_gap: crate::fabrication::cuts::end_gap(&raw.paths),
         ..Figures::NOTHING
     };
     let parts = match wanted.copies {

@@ -2,7 +2,6 @@
 
 use kurbo::{Point, Rect};
 use rstar::RTree;
-use rstar::primitives::GeomWithData;
 
 use super::contacts::{Contacts, Pair};
 use super::cut_name;
@@ -10,7 +9,7 @@ use super::fault::{Check, Fault};
 use super::grooves::{FLAT, Grooves, around};
 use super::machine_file::{MachineFile, layer_name};
 use super::{Wanted, hinge_points};
-use crate::fabrication::cuts::bounding_box;
+use crate::fabrication::cuts::{bounding_box, ends};
 use crate::fabrication::layout::{CutKind, CutPath};
 use crate::profile::Profile;
 
@@ -23,8 +22,6 @@ pub(super) const SHARED: f64 = 0.06;
 const ROUNDING: f64 = 1e-3;
 /// Coordinates beyond this are no place on any machine, millimetres.
 const FAR: f64 = 1e5;
-/// Ends that coincide meet on purpose, millimetres.
-const SAME_POINT: f64 = 1e-5;
 /// How far a slit may end from the centre line of the cut that it meets, or beyond the border's, millimetres.
 pub(super) const END_TOLERANCE: f64 = 0.01;
 
@@ -60,7 +57,7 @@ pub(super) fn cuts(paths: &[CutPath]) -> Vec<(&'static str, usize, f64)> {
             |path: &&CutPath| -> f64 { path.segments(FLAT).iter().map(|[a, b]| a.distance(*b)).sum() };
         (layer_name(kind), all.len(), all.iter().map(length).sum())
     };
-    let kinds = [CutKind::Slit, CutKind::Relief, CutKind::Window, CutKind::Border];
+    let kinds = [CutKind::Slit, CutKind::Relief, CutKind::Window, CutKind::Border, CutKind::Lead];
     kinds.into_iter().map(of).filter(|(_, count, _)| *count > 0).collect()
 }
 
@@ -190,33 +187,6 @@ pub(super) fn check_webs(
         }
     }
     web
-}
-
-/// The two ends of all open cuts.
-fn ends(paths: &[CutPath]) -> impl Iterator<Item = (usize, Point)> + '_ {
-    let open = paths.iter().enumerate().filter(|(_, path)| !path.closed);
-    open.flat_map(|(index, path)| [0, path.vertices.len() - 1].map(|i| (index, path.vertices[i].point)))
-}
-
-/// Least distance between ends of different cuts that do not coincide.
-pub(super) fn end_gap(paths: &[CutPath]) -> f64 {
-    let points: Vec<_> =
-        ends(paths).map(|(path, point)| GeomWithData::new([point.x, point.y], path)).collect();
-    let tree = RTree::bulk_load(points.clone());
-    let mut least = f64::INFINITY;
-    for end in &points {
-        for (other, distance2) in tree.nearest_neighbor_iter_with_distance_2(end.geom()) {
-            let distance: f64 = distance2;
-            if distance >= least * least {
-                break;
-            }
-            if other.data != end.data && distance > SAME_POINT * SAME_POINT {
-                least = distance.sqrt();
-                break;
-            }
-        }
-    }
-    least
 }
 
 /// Every slit ends on another cut, within the border, or beside a hinge.

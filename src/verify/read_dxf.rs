@@ -6,7 +6,7 @@
 use kurbo::{Point, Vec2};
 
 use super::fault::Check;
-use super::machine_file::{MachineFile, NOTE, ReadError, kind_of};
+use super::machine_file::{ENGRAVE, MachineFile, NOTE, ReadError, kind_of};
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 
 const NAME: &str = "cut.dxf";
@@ -172,12 +172,17 @@ fn take(file: &mut MachineFile, chain: &mut Option<usize>, entity: &Entity) {
     if entity.groups.iter().any(|&(code, value)| code == 230 && value != 1.0) {
         file.fault(Check::Layer, entity.called(), None, "is drawn in a turned plane; cuts lie in x and y");
     }
+    if entity.layer == ENGRAVE && entity.name != "ARC" {
+        let vertices = if entity.name == "LINE" { line(entity).to_vec() } else { vertices(entity) };
+        file.engraved.push(vertices.iter().map(|vertex| vertex.point).collect());
+        return;
+    }
     let kind = kind_of(entity.layer).unwrap_or_else(|| {
         file.fault(
             Check::Layer,
             entity.called(),
             None,
-            "is on no layer that is cut (SLIT, RELIEF, WINDOW, BORDER)",
+            "is on no layer that is cut (SLIT, RELIEF, WINDOW, BORDER, LEAD)",
         );
         CutKind::Slit
     });

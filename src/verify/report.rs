@@ -20,6 +20,13 @@ pub fn table(figures: &Figures, wanted: Wanted) -> String {
     for (layer, count, length) in &figures.cuts {
         rows.push(row(layer, format!("{count} cuts, {length:.1} mm"), String::new()));
     }
+    if let (count @ 1.., length) = figures.engraved {
+        rows.push(row("engraved", format!("{count} strokes, {length:.1} mm"), String::new()));
+    }
+    if let (Some([least, most]), Some(tabs)) = (figures.tab_widths, wanted.tabs) {
+        let limit = format!("{} mm", tabs.width);
+        rows.push(row("tab width", format!("{least:.4} to {most:.4} mm"), limit));
+    }
     rows.extend([
         row("two files apart", format!("{:.1e} mm", figures.files_apart), format!("{APART:.0e} mm")),
         row(

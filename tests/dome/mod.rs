@@ -1,13 +1,19 @@
 //! A real design to test with: a shallow dome of 6 x 6 pieces, made by the optimiser's own stages.
 
+// Each test file uses its own part.
+#![allow(dead_code)]
+
 use std::path::Path;
 
+use kirimorph::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
+use kirimorph::fabrication::hinge_table::HingeRow;
 use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::{Point3, Vector2};
 use kirimorph::kirigami::design::Design;
 use kirimorph::kirigami::pattern::Pattern;
 use kirimorph::kirigami::quality::Quality;
 use kirimorph::output::design_json::Stage;
+use kirimorph::output::hinge_report;
 use kirimorph::profile::{self, Profile};
 
 use super::solve::solve;
@@ -45,6 +51,19 @@ pub fn dome() -> Dome {
         Made { design, quality, stages }
     };
     Dome { shaken: made(&shaken, vec![]), made: made(&solved.pattern, stages), profile }
+}
+
+/// The dome laid out for its profile.
+pub fn laid_out(dome: &Dome) -> Fabrication {
+    let lengths = ligament_lengths(&dome.made.design, &dome.profile).unwrap();
+    fabricate(&dome.made.design, &dome.profile, &lengths).unwrap()
+}
+
+/// `hinges.json` of some rows.
+pub fn hinges_text(dome: &Dome, rows: &[HingeRow]) -> String {
+    let mut bytes = Vec::new();
+    hinge_report::write_json(rows, &dome.profile, None, &mut bytes).unwrap();
+    String::from_utf8(bytes).unwrap()
 }
 
 /// A dome over a square, off the origin so that no coordinate is a round number.

@@ -13,6 +13,7 @@ import ezdxf
 
 CUT_LAYERS = ("SLIT", "RELIEF", "WINDOW", "BORDER", "LEAD")
 NOTE_LAYER = "NOTE"
+ENGRAVE_LAYER = "ENGRAVE"
 VERSIONS = {"AC1015": "R2000", "AC1009": "R12"}
 # Ends closer than this are one point, mm: far below a kerf, far above twelve printed decimals.
 SAME_POINT = 1e-7
@@ -76,7 +77,7 @@ def read_dxf(name):
     paths, chain = [], None
     for entity in document.modelspace():
         kind, layer = entity.dxftype(), entity.dxf.layer
-        if kind == "TEXT" and layer == NOTE_LAYER:
+        if (kind == "TEXT" and layer == NOTE_LAYER) or (kind in ("LWPOLYLINE", "LINE") and layer == ENGRAVE_LAYER):
             continue
         if layer not in CUT_LAYERS or kind not in ("LWPOLYLINE", "LINE", "ARC"):
             reasons.append(f"{kind} on layer {layer}: neither a cut nor a note")

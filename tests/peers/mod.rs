@@ -46,6 +46,18 @@ pub fn fresh_folder(test: &str) -> PathBuf {
     folder
 }
 
+/// Where each text breaks a schema of `docs`, or `None` without Python.
+pub fn schema_breaches(test: &str, schema: &str, texts: &[String]) -> Option<Vec<Vec<String>>> {
+    let mut oracle = oracle("schema_check.py")?;
+    let folder = fresh_folder(test);
+    let files: Vec<PathBuf> = (0..texts.len()).map(|i| folder.join(format!("{i}.json"))).collect();
+    files.iter().zip(texts).for_each(|(file, text)| std::fs::write(file, text).unwrap());
+    let schema = root().join("docs").join(schema);
+    let output = oracle.arg(schema).args(&files).output().unwrap();
+    let breaches = serde_json::from_slice(&output.stdout);
+    Some(breaches.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr))))
+}
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }

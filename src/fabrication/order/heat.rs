@@ -1,6 +1,7 @@
 //! Cuts in an order that lets hinges cool: what is near a ligament is cut only when it has rested for a while.
 //!
-//! From where it is the head goes to the nearest cut all of whose ligaments have rested; where none of the nearest has, to
+//! A hinge rests since the last cut that came within a given distance of it; so cuts that follow each other sooner than it
+//! rests are at least that far from each other's hinges. From where it is the head goes to the nearest cut all of whose ligaments have rested; where none of the nearest has, to
 //! the one that has rested longest. Bars and slits are cut apart from each other, as they meet at a ligament.
 
 use kurbo::{Point, Rect};
@@ -28,7 +29,16 @@ pub struct Pace {
     pub reach: f64,
 }
 
-/// The ligaments that each cut heats.
+/// What hinges are to be spared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cooling {
+    /// How long a ligament is to rest before a cut at it begins, seconds.
+    pub cool: f64,
+    /// How near a cut comes that heats it, millimetres; `None`: as near as the cuts at it.
+    pub within: Option<f64>,
+}
+
+/// The ligaments that come within reach of each cut.
 fn heated(paths: &[CutPath], ligaments: &[Point], reach: f64) -> Vec<Vec<usize>> {
     let item = |(i, p): (usize, &Point)| GeomWithData::new([p.x, p.y], i);
     let tree = RTree::bulk_load(ligaments.iter().enumerate().map(item).collect());
@@ -76,7 +86,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// How long ligaments rest between cuts.
+/// How long ligaments rest between cuts, and how far apart cuts are that follow each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rest {
     /// Least seconds between the end of a cut at a ligament and the beginning of the next one there; infinite where no
@@ -84,13 +94,22 @@ pub struct Rest {
     pub least: f64,
     /// Number of cuts that begin sooner than asked.
     pub early: usize,
+    /// Least distance between a ligament at which a cut is made and the cut just before that, millimetres; infinite where
+    /// there are none.
+    pub apart: f64,
 }
 
 /// The rest that an order gives ligaments, `cool` seconds being asked for.
 pub fn rest(order: &[CutPath], ligaments: &[Point], pace: &Pace, cool: f64) -> Rest {
     let mut run = Run::new(pace, ligaments.len());
-    let mut found = Rest { least: f64::INFINITY, early: 0 };
+    let mut found = Rest { least: f64::INFINITY, early: 0, apart: f64::INFINITY };
+    let mut before: Option<&CutPath> = None;
     for (path, near) in order.iter().zip(heated(order, ligaments, pace.reach)) {
+        if let Some(before) = before.replace(path).filter(|_| !near.is_empty()) {
+            let segments = before.segments(ARC_TOLERANCE);
+            let apart = |at: Point| segments.iter().map(move |&s| nearest_on_segment(at, s).distance(at));
+            found.apart = near.iter().flat_map(|&i| apart(ligaments[i])).fold(found.apart, f64::min);
+        }
         let rest = run.rest(first(path), &near);
         found.least = found.least.min(rest);
         found.early += usize::from(rest < cool);
@@ -99,10 +118,13 @@ pub fn rest(order: &[CutPath], ligaments: &[Point], pace: &Pace, cool: f64) -> R
     found
 }
 
-/// The open cuts and windows of an order so that every ligament rests for `cool` seconds between cuts wherever that can be
-/// had; then the rest of the order as it is.
-pub fn cooled(order: &[CutPath], ligaments: &[Point], pace: &Pace, cool: f64) -> Vec<CutPath> {
+/// The open cuts and windows of an order so that every ligament rests before a cut wherever that can be had; then the rest
+/// of the order as it is.
+pub fn cooled(order: &[CutPath], ligaments: &[Point], pace: &Pace, cooling: Cooling) -> Vec<CutPath> {
     let near = heated(order, ligaments, pace.reach);
+    let warmed =
+        cooling.within.filter(|&within| within > pace.reach).map(|within| heated(order, ligaments, within));
+    let warmed = warmed.as_ref().unwrap_or(&near);
     let mut run = Run::new(pace, ligaments.len());
     let mut made = Vec::with_capacity(order.len());
     let ranks: [fn(&CutPath) -> bool; 2] =
@@ -116,12 +138,12 @@ pub fn cooled(order: &[CutPath], ligaments: &[Point], pace: &Pace, cool: f64) ->
                 .map(move |(p, back)| Begin::new([p.x, p.y], (i, back)))
         });
         let mut left: RTree<Begin> = RTree::bulk_load(ends.collect());
-        while let Some((index, back)) = next(&left, &run, &near, cool) {
+        while let Some((index, back)) = next(&left, &run, &near, cooling.cool) {
             let path = directed(&order[index], back);
             for (point, back) in [(first(&order[index]), false), (last(&order[index]), true)] {
                 left.remove(&Begin::new([point.x, point.y], (index, back)));
             }
-            run.cut(&path, &near[index]);
+            run.cut(&path, &warmed[index]);
             made.push(path);
         }
     }

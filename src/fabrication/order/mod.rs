@@ -5,6 +5,8 @@
 //! begins in the groove of a bar that is already open. Nothing but the cuts' own coordinates is used: a bar belongs to the
 //! slit that ends in its middle.
 
+mod ascent;
+
 mod bound;
 
 mod heat;
@@ -23,11 +25,11 @@ use rstar::RTree;
 
 use super::cuts::ARC_TOLERANCE;
 use super::layout::{CutKind, CutPath, PathVertex};
-use super::web::nearest_on_segment;
+use super::web::{CutIndex, nearest_on_segment};
 use tour::{Frame, tour};
 
 pub use bound::spanning_tree;
-pub use heat::{Pace, Rest, cooled, rest};
+pub use heat::{Cooling, Pace, Rest, cooled, rest};
 
 /// Where the head of the machine waits: the stock's lower left corner.
 pub const HOME: Point = Point::ORIGIN;
@@ -50,9 +52,10 @@ pub struct Travel {
 /// The same cuts in cutting order, each in cutting direction; borders begin away from `ligaments` (their middles).
 pub fn cutting_order(paths: &[CutPath], ligaments: &[Point]) -> Vec<CutPath> {
     let units = units(paths);
-    let ligaments = Ligaments::new(ligaments);
-    let borders: Vec<(usize, Vec<CutPath>)> =
-        of_kind(paths, CutKind::Border).map(|index| (index, ligaments.starts(&paths[index]))).collect();
+    let ligaments = RTree::bulk_load(ligaments.iter().map(|p| [p.x, p.y]).collect());
+    let borders: Vec<(usize, Vec<CutPath>)> = of_kind(paths, CutKind::Border)
+        .map(|index| (index, closed_starts(&paths[index], &ligaments)))
+        .collect();
     let starts_of = |borders: &[(usize, Vec<CutPath>)]| -> Vec<[f64; 2]> {
         let starts = borders.iter().flat_map(|(_, starts)| starts);
         starts.map(|path| [path.vertices[0].point.x, path.vertices[0].point.y]).collect()
@@ -96,7 +99,7 @@ pub fn travel(order: &[CutPath]) -> Travel {
     };
     let mut open = of(|path| matches!(path.kind, CutKind::Slit | CutKind::Relief));
     open.push(vec![HOME]);
-    let windows = of(|path| path.kind == CutKind::Window);
+    let windows = window_groups(order);
     let mut bound = spanning_tree(&open) + spanning_tree(&windows);
     let tree = |groups: &[Vec<Point>]| {
         RTree::bulk_load(groups.iter().flatten().map(|point| [point.x, point.y]).collect())
@@ -119,6 +122,45 @@ pub fn travel(order: &[CutPath]) -> Travel {
     let to_border = ways.fold(f64::INFINITY, f64::min);
     bound += if to_border.is_finite() { to_border } else { 0.0 };
     Travel { length, bound }
+}
+
+/// Where each window begins; one with a lead may begin where that does.
+fn window_groups(order: &[CutPath]) -> Vec<Vec<Point>> {
+    (0..order.len())
+        .filter(|&i| order[i].kind == CutKind::Window)
+        .map(|i| match i.checked_sub(1).map(|before| &order[before]) {
+            Some(lead) if lead.kind == CutKind::Lead => vec![first(lead), first(&order[i])],
+            _ => vec![first(&order[i])],
+        })
+        .collect()
+}
+
+/// Most cuts for which [`least_way`] is worked out: that takes time in the square of their number, here half a second.
+const MOST_ASCENDED: usize = 1200;
+
+/// A bound that is nearer to the truth than the tree of [`travel`], of all orders with windows after all open cuts and borders
+/// last, millimetres: [`ascent::ascent`]. `None` where there are too many open cuts, or none.
+pub fn least_way(order: &[CutPath], found: Travel) -> Option<f64> {
+    let open: Vec<&CutPath> =
+        order.iter().filter(|path| matches!(path.kind, CutKind::Slit | CutKind::Relief)).collect();
+    if open.is_empty() || open.len() > MOST_ASCENDED {
+        return None;
+    }
+    let windows = window_groups(order);
+    let window_tree = RTree::bulk_load(windows.iter().flatten().map(|p| [p.x, p.y]).collect());
+    let borders: Vec<CutPath> = order.iter().filter(|path| path.kind == CutKind::Border).cloned().collect();
+    let borders = CutIndex::new(&borders);
+    let to_border = |from: Point| {
+        let way = borders.nearest([from, from], &[]);
+        if way.is_finite() { way } else { 0.0 }
+    };
+    let onwards = |from: Point| nearest_in(&window_tree, from).unwrap_or_else(|| to_border(from));
+    let out = windows.iter().flatten().map(|&at| to_border(at)).fold(f64::INFINITY, f64::min);
+    let after = spanning_tree(&windows) + if out.is_finite() { out } else { 0.0 };
+    let ends: Vec<Point> = open.iter().flat_map(|path| [first(path), last(path)]).collect();
+    let onwards: Vec<f64> = ends.iter().map(|&end| onwards(end)).collect();
+    let least = after + ascent::ascent(&ends, HOME, &onwards, found.length - after);
+    Some(least.max(found.bound))
 }
 
 /// The square of a distance from the middle of a chord within which the point nearest to the chord is.
@@ -199,38 +241,29 @@ fn directed(path: &CutPath, back: bool) -> CutPath {
     path
 }
 
-/// The middles of the ligaments.
-struct Ligaments(RTree<[f64; 2]>);
-
-impl Ligaments {
-    fn new(middles: &[Point]) -> Self {
-        Self(RTree::bulk_load(middles.iter().map(|p| [p.x, p.y]).collect()))
-    }
-
-    /// A closed cut begun at each of the places that are well away from ligaments: its vertices and the middles of
-    /// its straight segments.
-    fn starts(&self, path: &CutPath) -> Vec<CutPath> {
-        let count = path.vertices.len();
-        let next = |i: usize| path.vertices[(i + 1) % count].point;
-        let vertices = (0..count).map(|i| (i, path.vertices[i].point, false));
-        let straight = (0..count).filter(|&i| path.vertices[i].bulge == 0.0);
-        let middles = straight.map(|i| (i, path.vertices[i].point.midpoint(next(i)), true));
-        let places: Vec<(usize, Point, bool, f64)> = vertices
-            .chain(middles)
-            .map(|(i, at, middle)| (i, at, middle, nearest_in(&self.0, at).unwrap_or(f64::INFINITY)))
-            .collect();
-        let clearest = places.iter().map(|place| place.3).fold(0.0, f64::max);
-        let well = |place: &&(usize, Point, bool, f64)| place.3 >= CLEAR.min(0.5 * clearest);
-        let started = |&(i, point, middle, _): &(usize, Point, bool, f64)| {
-            let mut path = path.clone();
-            path.vertices.rotate_left(if middle { i + 1 } else { i });
-            if middle {
-                path.vertices.insert(0, PathVertex { point, bulge: 0.0 });
-            }
-            path
-        };
-        places.iter().filter(well).map(started).collect()
-    }
+/// A closed cut begun at each of the places that are well away from ligaments (their middles): its vertices and the
+/// middles of its straight segments.
+pub fn closed_starts(path: &CutPath, ligaments: &RTree<[f64; 2]>) -> Vec<CutPath> {
+    let count = path.vertices.len();
+    let next = |i: usize| path.vertices[(i + 1) % count].point;
+    let vertices = (0..count).map(|i| (i, path.vertices[i].point, false));
+    let straight = (0..count).filter(|&i| path.vertices[i].bulge == 0.0);
+    let middles = straight.map(|i| (i, path.vertices[i].point.midpoint(next(i)), true));
+    let places: Vec<(usize, Point, bool, f64)> = vertices
+        .chain(middles)
+        .map(|(i, at, middle)| (i, at, middle, nearest_in(ligaments, at).unwrap_or(f64::INFINITY)))
+        .collect();
+    let clearest = places.iter().map(|place| place.3).fold(0.0, f64::max);
+    let well = |place: &&(usize, Point, bool, f64)| place.3 >= CLEAR.min(0.5 * clearest);
+    let started = |&(i, point, middle, _): &(usize, Point, bool, f64)| {
+        let mut path = path.clone();
+        path.vertices.rotate_left(if middle { i + 1 } else { i });
+        if middle {
+            path.vertices.insert(0, PathVertex { point, bulge: 0.0 });
+        }
+        path
+    };
+    places.iter().filter(well).map(started).collect()
 }
 
 /// Appends the borders, each begun where that is nearest to where the cut before ended.

@@ -95,6 +95,29 @@ fn best_way(stops: &[[Point; 2]], at: Point, onwards: &dyn Fn(Point) -> f64) -> 
 }
 
 #[test]
+fn the_ascent_lies_between_the_tree_and_the_shortest_way() {
+    let (mut trees, mut ascents, mut shortest) = (0.0, 0.0, 0.0);
+    for seed in 0..20 {
+        let ends = points(seed, 12);
+        let stops: Vec<[Point; 2]> = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+        let onwards = |p: Point| 100.0 - p.x.max(p.y);
+        let best = best_way(&stops, HOME, &onwards);
+        let ways: Vec<f64> = ends.iter().map(|&end| onwards(end)).collect();
+        let mut groups: Vec<Vec<Point>> = stops.iter().map(|stop| stop.to_vec()).collect();
+        groups.push(vec![HOME]);
+        let tree = spanning_tree(&groups) + ways.iter().copied().fold(f64::INFINITY, f64::min);
+        let ascent = ascent::ascent(&ends, HOME, &ways, 1.1 * best);
+        assert!(tree <= ascent + 1e-9 && ascent <= best + 1e-9, "{seed}: {tree} {ascent} {best}");
+        (trees, ascents, shortest) = (trees + tree, ascents + ascent, shortest + best);
+    }
+    assert!(shortest - ascents < 0.3 * (shortest - trees), "{trees} {ascents} {shortest}");
+    // Two cuts in a row, from the origin: the way is 1 + 2 + 5, and so is the bound.
+    let ends = [1.0, 3.0, 5.0, 6.0].map(|x| Point::new(x, 0.0));
+    let bound = ascent::ascent(&ends, HOME, &[9.0, 9.0, 9.0, 5.0], 8.0);
+    assert!((bound - 8.0).abs() < 1e-9, "{bound}");
+}
+
+#[test]
 fn small_tours_are_the_shortest_of_all() {
     let onwards = |p: Point| 100.0 - p.x.max(p.y);
     for seed in 0..20 {

@@ -6,10 +6,9 @@ use rstar::RTree;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 
 /// Every slit as two cuts from a place well away from ligaments to its ends, the one to its beginning first.
-pub fn in_mid_slit(order: Vec<CutPath>, ligaments: &[Point]) -> Vec<CutPath> {
-    let tree = RTree::bulk_load(ligaments.iter().map(|p| [p.x, p.y]).collect());
+pub fn in_mid_slit(order: Vec<CutPath>, ligaments: &RTree<[f64; 2]>) -> Vec<CutPath> {
     let halves = |path: CutPath| match path.kind {
-        CutKind::Slit => split(&path, &tree).to_vec(),
+        CutKind::Slit => split(&path, ligaments).to_vec(),
         _ => vec![path],
     };
     order.into_iter().flat_map(halves).collect()

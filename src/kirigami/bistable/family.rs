@@ -4,7 +4,7 @@ use super::cell::BistableCell;
 use super::fit::{fitted, local_models};
 use super::grid::in_millimetres;
 use super::mesh::BistableMesh;
-use super::optimise::{self, Problem, phases, stage3};
+use super::optimise::{self, Problem, phases, space, stage3};
 use super::pattern::BistablePattern;
 use crate::geometry::Point3;
 use crate::kirigami::control_mesh::{ControlMesh, Goals};
@@ -43,6 +43,20 @@ pub struct Fitted {
 /// The number of cells for which the job's weight of fairness is meant; with more it grows in proportion.
 const FAIR_CELLS: f64 = 144.0;
 
+impl Snapping<'_> {
+    fn problem<'a>(
+        &'a self,
+        level: &'a Level,
+        fitted: &'a Fitted,
+        border: &'a BistablePattern,
+    ) -> Problem<'a> {
+        let Level { cover, gap } = level;
+        let Fitted { mesh, models, .. } = fitted;
+        let (goals, weights) = (self.goals, self.stage3);
+        Problem { cover, mesh, models, gap: *gap, goals, weights, border }
+    }
+}
+
 impl Family for Snapping<'_> {
     type Pattern = Fitted;
 
@@ -76,19 +90,10 @@ impl Family for Snapping<'_> {
         name: &str,
         run: &mut Run,
     ) -> (Fitted, Vec<Report>) {
-        let Fitted { mesh, models, corners, pattern } = start;
-        let Level { cover, gap } = level;
-        let problem = Problem {
-            cover,
-            mesh: &mesh,
-            models: &models,
-            gap: *gap,
-            goals: self.goals,
-            weights: self.stage3,
-            border: &border.pattern,
-        };
-        let (pattern, reports) = stage3(&problem, pattern, &corners, &phases(refined), name, run);
-        (Fitted { mesh, models, corners, pattern }, reports)
+        let problem = self.problem(level, &start, &border.pattern);
+        let (pattern, reports) =
+            stage3(&problem, start.pattern.clone(), &start.corners, &phases(refined), name, run);
+        (Fitted { pattern, ..start }, reports)
     }
 
     fn most_steps(&self, _: &Level, refined: bool) -> usize {
@@ -103,6 +108,12 @@ impl Family for Snapping<'_> {
             closed: mean(&first.pattern.corners, &done.pattern.corners),
             open: mean(&first.pattern.open, &done.pattern.open),
         }
+    }
+
+    fn space(&self, level: &Level, done: Fitted, halves: &[f64], run: &mut Run) -> (Fitted, Report) {
+        let problem = self.problem(level, &done, &done.pattern);
+        let (pattern, report) = space(&problem, done.pattern.clone(), &done.corners, halves, run);
+        (Fitted { pattern, ..done }, report)
     }
 
     fn design(&self, level: &Level, done: &Fitted) -> Design {

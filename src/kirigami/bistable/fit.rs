@@ -170,7 +170,7 @@ mod tests {
         let cell = BistableCell { cell: [20.0, 18.0], rectangle: [8.0, 7.0], phi: 0.3, gap: 1.2 };
         let (mesh, pattern) = regular(&cell, [3, 3]);
         let mut settled = pattern.clone();
-        settled.settle(&mesh, 1.2);
+        settled.settle(&mesh, |_| 0.6);
         for (p, q) in pattern.corners.iter().zip(&settled.corners) {
             assert!((p - q).norm() < 1e-6, "{p} {q}");
         }

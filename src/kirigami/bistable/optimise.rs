@@ -188,7 +188,7 @@ pub fn stage3(
     let mut pattern = start;
     let mut systems = [(); 2].map(|()| System::new(at.places(problem)));
     let reports = run_phases(phases, run, |phase, run| {
-        pattern.settle(mesh, gap);
+        pattern.settle(mesh, |_| 0.5 * gap);
         let terms = || {
             let mut terms = hard_terms(mesh, &at, &pattern, scale);
             if phase.soft > 0.0 {
@@ -207,6 +207,28 @@ pub fn stage3(
     });
     pattern.cross(mesh);
     (pattern, reports)
+}
+
+/// Moves the hinges of a pattern as far from the slits that pass them as `halves` says (mm, per corner), and makes the pieces
+/// congruent again.
+pub fn space(
+    problem: &Problem,
+    mut pattern: BistablePattern,
+    corners: &[Point3],
+    halves: &[f64],
+    run: &mut Run,
+) -> (BistablePattern, Report) {
+    let &Problem { cover, mesh, goals, .. } = problem;
+    let scale = cover.cell.edge();
+    let at = Unknowns::new(mesh, &goals);
+    pattern.settle(mesh, |corner| halves[corner]);
+    let mut x = at.pack(&pattern, corners, scale);
+    let terms = || hard_terms(mesh, &at, &pattern, scale);
+    let mut system = System::new(at.places(problem));
+    let report = run.journal.minimize("uneven-gaps", &mut system, terms, &mut x, &hard().options, run.watch);
+    at.unpack(&x, scale, &mut pattern);
+    pattern.cross(mesh);
+    (pattern, report)
 }
 
 fn hard_terms(

@@ -30,9 +30,9 @@ impl BistablePattern {
         self.corners[corner] + self.offsets[corner]
     }
 
-    /// Puts the hinges beside the slits that pass them, half of `gap` away, and the crossings inside the sheet where slits
-    /// meet.
-    pub fn settle(&mut self, mesh: &BistableMesh, gap: f64) {
+    /// Puts each hinge beside the slit that passes it, as far away (mm) as `half` says of its corner, and the crossings inside
+    /// the sheet where slits meet.
+    pub fn settle(&mut self, mesh: &BistableMesh, half: impl Fn(usize) -> f64) {
         let normals: Vec<Vector3> = (0..mesh.cells).map(|cell| self.rectangle_normal(cell)).collect();
         for _ in 0..ROUNDS {
             let offset = |(corner, slit): (usize, &Passing)| {
@@ -40,12 +40,9 @@ impl BistablePattern {
                 let across = normals[corner / 4].cross(&(middle - self.hinge(slit.origin)));
                 let across = across.try_normalize(0.0).unwrap_or_default();
                 let side = across.dot(&(self.corners[slit.beside] - middle)).signum();
-                across * (0.5 * gap * side)
+                across * (half(corner) * side)
             };
             self.offsets = mesh.passing.iter().enumerate().map(offset).collect();
-            if gap == 0.0 {
-                break;
-            }
         }
         self.cross(mesh);
     }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::fabrication::plan::{CutOrder, CutReport, Pierce, Times};
+use crate::fabrication::plan::{CutOrder, CutReport, LeadShape, Pierce, Times};
 
 /// The block.
 pub fn cut_object(report: &CutReport) -> Value {
@@ -15,23 +15,62 @@ pub fn cut_object(report: &CutReport) -> Value {
             "piercing": times.piercing,
         })
     };
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let leads = report.leads.map(|leads| {
+        json!({
+            "shape": match leads.shape {
+                LeadShape::Line => "line",
+                LeadShape::Arc => "arc",
+            },
+            "count": leads.count,
+            "lengths_mm": leads.lengths,
+            "without": leads.without,
+        })
+    });
+    let tabs = report.tabs.as_ref().map(|tabs| {
+        json!({
+            "width_mm": tabs.width,
+            "places_mm": tabs.places.iter().map(|place| [place.x, place.y]).collect::<Vec<_>>(),
+        })
+    });
+    let engraved = report.engraved.map(|engraved| {
+        json!({
+            "texts": engraved.texts,
+            "length_mm": engraved.length,
+            "pieces_too_small": engraved.too_small,
+            "named": engraved.named,
+        })
+    });
+    let price = report
+        .price
+        .map(|price| json!({ "cuts": price.cuts, "travel_mm": price.travel, "time_s": price.time }));
     json!({
         "kerf_applied": true,
         "copies_mm": copies,
         "pierce": match report.pierce {
             Pierce::SlitEnd => "slit-end",
             Pierce::MidSlit => "mid-slit",
+            Pierce::Scrap => "scrap",
         },
         "order": match report.order {
             CutOrder::Travel => "travel",
-            CutOrder::Heat(_) => "heat",
+            CutOrder::Heat { .. } => "heat",
         },
-        "hinge_rest_s": report.rest.least.is_finite().then_some(report.rest.least),
+        "hinge_rest_s": finite(report.rest.least),
+        "hinge_distance_mm": finite(report.rest.apart),
+        "early_cuts": report.rest.early,
+        "price": price,
+        "leads": leads,
+        "tabs": tabs,
+        "engraved": engraved,
+        "end_gap_mm": finite(report.end_gap),
+        "join_tolerance_mm": finite(report.join_tolerance()),
         "passes": report.passes,
         "cuts": report.cuts,
         "length_mm": report.length,
         "travel_mm": report.travel.length,
         "travel_bound_mm": report.travel.bound,
+        "travel_least_mm": report.least_way,
         "time_s": report.times.as_ref().map(times),
         "cost": report.times.as_ref().and_then(Times::cost),
     })

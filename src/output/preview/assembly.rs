@@ -54,7 +54,7 @@ pub fn write<W: Write>(preview: &AssemblyPreview<'_>, mut out: W) -> Result<(), 
         .add(header(preview.title, &subtitle, hinges))
         .add(state_panel(design, State::Closed, &turns))
         .add(state_panel(design, State::Open, &turns))
-        .add(legend(preview.assembly))
+        .add(legend(preview.assembly, &turns))
         .add(remark(preview.remark))
         .add(tables::figures(preview.figures, FIGURES))
         .add(tables::hinges(hinges, &worst(hinges), HINGES));
@@ -98,10 +98,10 @@ fn state_panel(design: &Design, state: State, senses: &[Sense]) -> Group {
         .add(text(caption, 3.2, &format!("{name} {}; below: straight from above", extents(&body))))
 }
 
-fn legend(assembly: &Assembly) -> Group {
+fn legend(assembly: &Assembly, senses: &[Sense]) -> Group {
     let inner = |y0: f64| Rect { x0: LEGEND.x0 + 2.0, y0, ..LEGEND };
     page::panel(LEGEND, "3  Tones and signs")
-        .add(tables::piece_legend("opens", inner(LEGEND.y0 + 9.0)))
+        .add(tables::piece_legend("opens", senses, inner(LEGEND.y0 + 9.0)))
         .add(tables::hinge_legend(&assembly.hinges, inner(LEGEND.y0 + 40.0)))
 }
 

@@ -5,7 +5,7 @@ use super::page::Sense;
 use crate::fabrication::states::{motions, other_vertices};
 use crate::geometry::rotation::RigidMotion;
 use crate::geometry::{Point3, Vector3, centroid};
-use crate::kirigami::design::{Design, State};
+use crate::kirigami::design::{Design, PatternKind, State};
 
 /// What the upper side of the sheet becomes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,13 +69,21 @@ impl Opening {
 /// the hinge's axis is given. On a curved surface this needs no common direction to compare with.
 pub fn senses(design: &Design, normals: &[Vector3]) -> Vec<Sense> {
     let mut turns = vec![0.0; design.pieces.len()];
+    let mut hinges = vec![0; design.pieces.len()];
     for hinge in &design.hinges {
         let turn = hinge.angle * hinge.axis.dot(&normals[hinge.pieces[0]]);
         turns[hinge.pieces[0]] -= turn;
         turns[hinge.pieces[1]] += turn;
+        hinge.pieces.iter().for_each(|&piece| hinges[piece] += 1);
     }
-    let sense = |turn: f64| if turn < 0.0 { Sense::Clockwise } else { Sense::CounterClockwise };
-    turns.into_iter().map(sense).collect()
+    // Of a bistable sheet only the rectangles turn: they hang on all their corners.
+    let still = |piece: usize| design.pieces[piece].closed.len() != 4 || hinges[piece] != 4;
+    let sense = |(piece, turn): (usize, f64)| match turn {
+        _ if design.pattern == PatternKind::Bistable && still(piece) => Sense::Still,
+        turn if turn < 0.0 => Sense::Clockwise,
+        _ => Sense::CounterClockwise,
+    };
+    turns.into_iter().enumerate().map(sense).collect()
 }
 
 fn frame(motions: &[RigidMotion]) -> [Vector3; 3] {

@@ -33,6 +33,8 @@ pub enum Sense {
     CounterClockwise,
     /// With the clock.
     Clockwise,
+    /// Neither: it is only shifted, as the pieces between the rectangles of a bistable sheet are.
+    Still,
 }
 
 impl Sense {
@@ -41,6 +43,7 @@ impl Sense {
         match self {
             Self::CounterClockwise => [168.0, 208.0, 240.0],
             Self::Clockwise => [250.0, 218.0, 140.0],
+            Self::Still => [214.0, 226.0, 205.0],
         }
     }
 }
@@ -241,10 +244,14 @@ pub fn dimension(from: Point, to: Point) -> Group {
         .add(arrow_head(to, direction, 2.0, INK))
 }
 
-/// Three quarters of a circle with a head: how a piece turns.
+/// Three quarters of a circle with a head: how a piece turns. Nothing where it does not.
 pub fn turn_arrow(centre: Point, radius: f64, sense: Sense, width: f64) -> Group {
     // The page's y points down: counter-clockwise to the eye is towards smaller angles.
-    let sign = if sense == Sense::CounterClockwise { -1.0 } else { 1.0 };
+    let sign = match sense {
+        Sense::CounterClockwise => -1.0,
+        Sense::Clockwise => 1.0,
+        Sense::Still => return Group::new(),
+    };
     let sweep = 1.5 * PI - 0.5;
     let from = -0.5 * PI + sign * 0.25 * PI;
     let points = (0..=24).map(|i| {
@@ -374,6 +381,7 @@ mod tests {
 
     #[test]
     fn turn_arrows_turn_as_they_say() {
+        assert!(!turn_arrow(Point::ORIGIN, 4.0, Sense::Still, 0.5).to_string().contains("path"));
         for (sense, sign) in [(Sense::CounterClockwise, -1.0), (Sense::Clockwise, 1.0)] {
             let drawn = turn_arrow(Point::ORIGIN, 4.0, sense, 0.5).to_string();
             let data = drawn.split("d=\"M").nth(1).and_then(|rest| rest.split('"').next()).unwrap();

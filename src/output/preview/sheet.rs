@@ -142,7 +142,7 @@ fn tick_step(scale: f64) -> f64 {
 fn pieces(scene: &Scene, map: Affine) -> Group {
     let (tolerance, digits) = if scene.simplified { (TOLERANCE[1], 2) } else { (TOLERANCE[0], 3) };
     let mut group = Group::new();
-    for sense in [page::Sense::CounterClockwise, page::Sense::Clockwise] {
+    for sense in [page::Sense::CounterClockwise, page::Sense::Clockwise, page::Sense::Still] {
         let mut data = String::new();
         for (outline, _) in
             scene.fabrication.outlines.iter().zip(&scene.opening.senses).filter(|(_, s)| **s == sense)
@@ -162,6 +162,7 @@ pub fn cut_style(kind: CutKind) -> (&'static str, f64) {
         CutKind::Relief => (RELIEF, 0.18),
         CutKind::Window => (BORDER, 0.2),
         CutKind::Border => (BORDER, 0.4),
+        CutKind::Lead => (BORDER, 0.2),
     }
 }
 

@@ -186,5 +186,6 @@ pub fn sense_name(sense: Sense) -> &'static str {
     match sense {
         Sense::CounterClockwise => "counter-clockwise",
         Sense::Clockwise => "clockwise",
+        Sense::Still => "shifted, not turned",
     }
 }

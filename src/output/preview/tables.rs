@@ -91,7 +91,11 @@ pub fn legend(scene: &Scene, area: Rect) -> Group {
     let frame = rectangle(area, "none").set("stroke", "#bbbbbb").set("stroke-width", "0.25");
     Group::new()
         .add(frame)
-        .add(piece_legend(if scene.opening.closes { "closes" } else { "opens" }, column(0.0)))
+        .add(piece_legend(
+            if scene.opening.closes { "closes" } else { "opens" },
+            &scene.opening.senses,
+            column(0.0),
+        ))
         .add(cut_legend(scene, column(1.0)))
         .add(hinge_legend(&scene.fabrication.hinges, column(2.0)))
 }
@@ -104,10 +108,12 @@ fn row(area: Rect, i: usize) -> Point {
     Point::new(area.x0, area.y0 + 4.6 + ROW * (i + 1) as f64)
 }
 
-/// The tones of the pieces of a sheet that "opens" or "closes".
-pub fn piece_legend(does: &str, area: Rect) -> Group {
+/// The tones of these pieces of a sheet that "opens" or "closes".
+pub fn piece_legend(does: &str, senses: &[Sense], area: Rect) -> Group {
     let mut group = heading(area, &format!("Pieces, as the sheet {does}, turn"));
-    for (i, sense) in [Sense::CounterClockwise, Sense::Clockwise].into_iter().enumerate() {
+    let kinds = [Sense::CounterClockwise, Sense::Clockwise, Sense::Still];
+    let shown: Vec<Sense> = kinds.into_iter().filter(|kind| senses.contains(kind)).collect();
+    for (i, &sense) in shown.iter().enumerate() {
         let at = row(area, i) + Vec2::new(0.0, 1.5 * i as f64);
         let swatch = Rect::new(at.x, at.y - 4.4, at.x + 9.0, at.y + 1.2);
         group = group
@@ -117,7 +123,7 @@ pub fn piece_legend(does: &str, area: Rect) -> Group {
             .add(turn_arrow(swatch.center(), 1.5, sense, 0.35))
             .add(text(Point::new(at.x + 11.0, at.y - 0.6), SIZE, sense_name(sense)));
     }
-    let at = row(area, 2) + Vec2::new(0.0, 2.6);
+    let at = row(area, shown.len()) + Vec2::new(0.0, 1.3 * shown.len() as f64);
     group.add(rectangle(Rect::new(at.x, at.y - 2.8, at.x + 9.0, at.y + 0.4), "#8a8a8a")).add(text(
         Point::new(at.x + 11.0, at.y),
         SIZE,
