@@ -24,14 +24,19 @@ const CAP_TOLERANCE: f64 = 3e-4;
 /// What the cuts leave of the sheet: one shape per body, its outer contour counter-clockwise, then its holes clockwise.
 /// Scraps smaller than a kerf square are left out.
 pub fn burned_bodies(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
-    let bodies = subtract(&sheet(paths), &burn(paths, kerf));
+    let bodies = subtract(&sheet(paths), &grooves(paths.iter(), kerf, ARC_TOLERANCE));
     bodies.into_iter().filter(|body| area(&body[0]) > kerf * kerf).collect()
 }
 
-/// The grooves of all paths, as the tool leaves them: round ends, radius half the kerf.
-fn burn(paths: &[CutPath], kerf: f64) -> Vec<Shape> {
+/// The grooves of all paths, as the tool leaves them: round ends, radius half the kerf. Arcs are taken as chords within
+/// `tolerance`, millimetres. Where grooves meet their shapes overlap.
+pub fn grooves<'a>(
+    paths: impl Iterator<Item = &'a CutPath> + Clone,
+    kerf: f64,
+    tolerance: f64,
+) -> Vec<Shape> {
     let lines = |closed: bool| -> Vec<Contour> {
-        paths.iter().filter(|path| path.closed == closed).map(contour).collect()
+        paths.clone().filter(|path| path.closed == closed).map(|path| contour(path, tolerance)).collect()
     };
     let mut grooves = stroke(lines(false), kerf, false);
     grooves.extend(stroke(lines(true), kerf, true));
@@ -50,8 +55,8 @@ pub fn stroke(lines: Vec<Contour>, kerf: f64, closed: bool) -> Vec<Shape> {
     lines.stroke(style, closed)
 }
 
-fn contour(path: &CutPath) -> Contour {
-    path.flatten(ARC_TOLERANCE).into_iter().map(|point| [point.x, point.y]).collect()
+fn contour(path: &CutPath, tolerance: f64) -> Contour {
+    path.flatten(tolerance).into_iter().map(|point| [point.x, point.y]).collect()
 }
 
 /// The sheet's outer contour and its windows.
@@ -60,7 +65,7 @@ fn sheet(paths: &[CutPath]) -> Shape {
         .iter()
         .filter(|path| matches!(path.kind, CutKind::Border | CutKind::Window))
         .partition(|path| path.kind == CutKind::Border);
-    borders.into_iter().chain(windows).map(contour).collect()
+    borders.into_iter().chain(windows).map(|path| contour(path, ARC_TOLERANCE)).collect()
 }
 
 pub(super) fn subtract(subject: &Shape, clip: &Vec<Shape>) -> Vec<Shape> {

@@ -3,15 +3,12 @@
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay;
-use i_overlay::mesh::float::stroke::offset::StrokeOffset;
-use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
-use i_overlay::mesh::math::MathMode;
 use kurbo::{Point, Rect};
 
 use super::finding::{Finding, Trouble};
 use super::section::{Counted, Section, sections};
 use super::{Move, Wanted};
-use crate::fabrication::outline::{Contour, area, contains, contour_box};
+use crate::fabrication::outline::{Contour, area, contains, contour_box, stroke};
 use crate::geometry::Point3;
 
 /// Bodies of the stock before the border is cut.
@@ -30,12 +27,7 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
     let mut all = sections(moves, z, wanted.radius, Counted::Touched);
     let end = border_begins(&all, wanted);
     all.truncate(end);
-    let style = StrokeStyle::new(2.0 * wanted.radius)
-        .line_join(LineJoin::Round(0.3))
-        .start_cap(LineCap::Round(0.3))
-        .end_cap(LineCap::Round(0.3))
-        .math(MathMode::Float);
-    let grooves = chains(&all).stroke(style, false);
+    let grooves = stroke(chains(&all), 2.0 * wanted.radius, false);
     let [width, height] = wanted.stock;
     // A rim, so that grooves at the stock's edge do not part it.
     let rim = 2.0 * wanted.radius + 1.0;
