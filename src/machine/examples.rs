@@ -35,7 +35,7 @@ pub(super) fn run(poses: &[Pose]) -> Run {
     let block = |to, rate, kind| Block { to, rate, kind };
     let mut blocks = vec![block(poses[0], Rate::Feed(100.0), Kind::Ramp)];
     blocks.extend(poses[1..].iter().map(|&to| block(to, Rate::Feed(300.0), Kind::Finish)));
-    blocks.push(block(up(&poses[poses.len() - 1]), Rate::Rapid, Kind::Retract));
+    blocks.push(block(up(&poses[poses.len() - 1]), Rate::Feed(800.0), Kind::Retract));
     Run { contour: Contour::Opening, start: up(&poses[0]), blocks }
 }
 

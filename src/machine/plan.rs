@@ -67,7 +67,7 @@ pub(super) fn run_moves(
             let asked = if let Rate::Feed(given) = station.rate { given } else { machine.rapid };
             planner.cut(Stand { tip: station.pose.tip, angles }, rapid, asked)?;
         }
-        if station.leave != station.arrive {
+        if station.retreat {
             retreats += 1;
             let slow = feed.or_else(|| first_feed(&stations[i..])).unwrap_or(machine.rapid);
             planner.retreat(&station.pose, station.leave, slow)?;
@@ -119,6 +119,11 @@ impl Planner<'_> {
 
     /// Up along the axis, turn, and back to the same pose.
     fn retreat(&mut self, pose: &Pose, leave: Angles, feed: f64) -> Result<(), MachineError> {
+        let out = raised(self.machine, &self.at, self.machine.setup.clearance);
+        let minutes = (out.tip - self.at.tip).norm() / feed;
+        if out != self.at {
+            self.push(out, false, feed, minutes, true)?;
+        }
         let back = Stand { tip: pose.tip, angles: leave };
         let near = raised(self.machine, &back, self.machine.setup.clearance);
         self.above(near)?;
@@ -214,11 +219,8 @@ impl Planner<'_> {
         for piece in 1..=pieces {
             let t = f64::from(piece) / f64::from(pieces);
             let tip = self.at.tip + (to.tip - self.at.tip) * t;
-            check_travel(
-                self.machine,
-                self.run,
-                &Stand { tip, angles: self.at.angles.between(to.angles, t) },
-            )?;
+            let at = Stand { tip, angles: self.at.angles.between(to.angles, t) };
+            check_travel(self.machine, self.run, &at, f64::INFINITY)?;
         }
         self.moves.push(Move { to, rapid, feed, seconds: 60.0 * minutes, cutting });
         self.at = to;
@@ -226,14 +228,15 @@ impl Planner<'_> {
     }
 }
 
-/// Whether the joints stay within their travel.
-pub(super) fn check_travel(machine: &Machine, run: usize, at: &Stand) -> Result<(), MachineError> {
+/// Whether the joints stay within their travel, the spindle's face not above `top`.
+pub(super) fn check_travel(machine: &Machine, run: usize, at: &Stand, top: f64) -> Result<(), MachineError> {
     let mut joints = machine.joints(&at.tip, at.angles);
     joints.z += machine.setup.tool_length;
-    for (axis, range) in machine.travel.iter().enumerate() {
+    for (axis, &[least, largest]) in machine.travel.iter().enumerate() {
+        let range = [least, if axis == 2 { largest.min(top) } else { largest }];
         if !(range[0]..=range[1]).contains(&joints[axis]) {
             let (value, axis) = (joints[axis], ['X', 'Y', 'Z'][axis]);
-            return Err(MachineError::Travel { run, tip: at.tip, axis, value, range: *range });
+            return Err(MachineError::Travel { run, tip: at.tip, axis, value, range });
         }
     }
     Ok(())

@@ -110,8 +110,9 @@ pub fn post(toolpath: &Toolpath, machine: &Machine, header: &Header) -> Result<P
     }
     let parts = split(machine, &sections)?;
     for part in &parts {
-        for moves in &part.links {
-            add_link(&mut stats, moves);
+        let starts = std::iter::once(part.home).chain(part.sections.iter().map(Section::end));
+        for (from, moves) in starts.zip(&part.links) {
+            add_link(&mut stats, from, moves);
         }
         stats.air_seconds += machine.spindle.start_seconds;
     }
@@ -198,15 +199,18 @@ const LINK_BYTES: usize = 1000;
 
 fn part<'a>(machine: &Machine, sections: &'a [Section]) -> Result<Part<'a>, MachineError> {
     let home = Stand { angles: super::Angles::default(), ..home_above(machine, &sections[0].start) };
-    check_travel(machine, sections[0].run + 1, &home)?;
+    let last = &sections[sections.len() - 1];
+    // From the height of tool changes the tool comes down, and goes up to it again.
+    for (run, stand) in [(sections[0].run, home), (last.run, home_above(machine, &last.end()))] {
+        check_travel(machine, run + 1, &stand, machine.setup.home_z)?;
+    }
     let mut links = Vec::with_capacity(sections.len() + 1);
     let mut at = home;
     for section in sections {
         links.push(link(machine, section.run, at, section.start)?);
         at = section.end();
     }
-    let last = sections[sections.len() - 1].run;
-    links.push(link(machine, last, at, home_above(machine, &at))?);
+    links.push(link(machine, last.run, at, home_above(machine, &at))?);
     Ok(Part { home, sections, links })
 }
 
@@ -246,11 +250,13 @@ fn add_section(stats: &mut Stats, section: &Section) {
     }
 }
 
-fn add_link(stats: &mut Stats, moves: &[Move]) {
-    for pair in moves.windows(2) {
-        let [from, to] = [pair[0].to.angles, pair[1].to.angles];
-        stats.turned[0] += (to.tilt - from.tilt).abs();
-        stats.turned[1] += (to.turn - from.turn).abs();
+fn add_link(stats: &mut Stats, from: Stand, moves: &[Move]) {
+    let mut at = from.angles;
+    for step in moves {
+        let to = step.to.angles;
+        stats.turned[0] += (to.tilt - at.tilt).abs();
+        stats.turned[1] += (to.turn - at.turn).abs();
+        stats.air_seconds += step.seconds;
+        at = to;
     }
-    stats.air_seconds += moves.iter().map(|step| step.seconds).sum::<f64>();
 }

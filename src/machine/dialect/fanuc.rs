@@ -14,13 +14,15 @@ impl Words for Fanuc {
     }
 
     fn head(&self, facts: &Facts, comments: Vec<String>) -> Vec<String> {
+        let tool = facts.machine.setup.tool_number;
         let length = match (facts.machine.tcp, self.vectors) {
-            (false, _) => "G43",
-            (true, false) => "G43.4",
-            (true, true) => "G43.5",
+            (false, _) => format!("G43 H{tool}"),
+            (true, false) => format!("G43.4 H{tool}"),
+            // Q leans the tool against its vector: not at all.
+            (true, true) => format!("G43.5 H{tool} Q0.0"),
         };
         let dwell = format!("G4 X{:.1}", facts.machine.spindle.start_seconds);
-        head(facts, comments, length, dwell)
+        head(facts, comments, &length, &dwell)
     }
 
     fn mark(&self, run: usize, text: &str) -> String {
@@ -37,7 +39,7 @@ impl Words for Fanuc {
 }
 
 /// The head that Fanuc and Haas share; `length` switches the tool's length on, and the tip's control with it.
-pub(super) fn head(facts: &Facts, comments: Vec<String>, length: &str, dwell: String) -> Vec<String> {
+pub(super) fn head(facts: &Facts, comments: Vec<String>, length: &str, dwell: &str) -> Vec<String> {
     let setup = &facts.machine.setup;
     let [xy, z] = iso::home(facts);
     let number = facts.machine.output.program_number as usize + facts.file;
@@ -50,9 +52,9 @@ pub(super) fn head(facts: &Facts, comments: Vec<String>, length: &str, dwell: St
     lines.push(format!("T{} M6", setup.tool_number));
     lines.push(format!("S{:.0} M3", facts.header.spindle_rpm));
     lines.extend(iso::coolant(facts).map(str::to_owned));
-    lines.push(dwell);
+    lines.push(dwell.to_owned());
     lines.push(format!("G0 {xy}"));
-    lines.push(format!("{length} H{} {z}", setup.tool_number));
+    lines.push(format!("{length} {z}"));
     lines
 }
 

@@ -13,7 +13,8 @@ impl Words for Haas {
     fn head(&self, facts: &Facts, comments: Vec<String>) -> Vec<String> {
         // With a decimal point P is in seconds.
         let dwell = format!("G4 P{:.1}", facts.machine.spindle.start_seconds);
-        fanuc::head(facts, comments, if facts.machine.tcp { "G234" } else { "G43" }, dwell)
+        let on = if facts.machine.tcp { "G234" } else { "G43" };
+        fanuc::head(facts, comments, &format!("{on} H{}", facts.machine.setup.tool_number), &dwell)
     }
 
     fn mark(&self, run: usize, text: &str) -> String {

@@ -131,7 +131,7 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Machine, TomlError> {
     let rotary = rotary(&source, &raw)?;
     let dialect = dialect(&source, &raw.dialect)?;
     check_tcp(&source, &raw, dialect, rotary.is_some())?;
-    Ok(Machine {
+    let machine = Machine {
         name: name.to_owned(),
         dialect,
         tcp: *raw.tcp.get_ref(),
@@ -151,7 +151,9 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Machine, TomlError> {
             start_seconds: source.number(&raw.spindle.start_s, &START)?,
         },
         output: output(&source, &raw.output)?,
-    })
+    };
+    check_home(&source, &raw, &machine)?;
+    Ok(machine)
 }
 
 fn dialect(source: &TomlSource, word: &Spanned<String>) -> Result<Dialect, TomlError> {
@@ -315,6 +317,16 @@ fn setup(source: &TomlSource, machine: &RawMachine, rotary: bool) -> Result<Setu
         return Err(source.value_error(raw.clearance_mm.span(), &what, "the tool comes down to it"));
     }
     Ok(setup)
+}
+
+/// The height of tool changes is a height that Z reaches.
+fn check_home(source: &TomlSource, raw: &RawMachine, machine: &Machine) -> Result<(), TomlError> {
+    let [least, largest] = machine.travel[2];
+    if (least..=largest).contains(&machine.setup.home_z) {
+        return Ok(());
+    }
+    let what = format!("beyond the travel of Z: allowed is linear.z_mm = {least} to {largest}");
+    Err(source.value_error(raw.setup.home_z_mm.span(), &what, "where the spindle stands before and after"))
 }
 
 fn fixture(source: &TomlSource, machine: &RawMachine, rotary: bool) -> Result<Rotation3<f64>, TomlError> {

@@ -46,6 +46,7 @@ fn wrong_files_are_refused_with_key_value_and_limit() {
         (bc, "rapid_deg_per_min = 1800.0", "rapid_deg_per_min = nan", "not a finite number"),
         (bc, "max_swing_deg = 30.0", "max_swing_deg = 400.0", "0.1 to 180 degrees"),
         (bc, "clearance_mm = 2.0", "clearance_mm = 26.0", "at most setup.safe_height_mm = 25"),
+        (bc, "home_z_mm = 0.0", "home_z_mm = 5.0", "linear.z_mm = -400 to 0"),
         (bc, "work_offset = 54", "work_offset = 60", "54 to 59"),
         (bc, "tool_number = 1", "tool_number = 0", "1 to 999"),
         (bc, "coolant = \"off\"", "coolant = \"oil\"", "\"flood\""),

@@ -128,7 +128,12 @@ impl Reader<'_> {
             }
             430 => self.length(words)?,
             434 if dialect == Dialect::FanucAngles => self.length_and_tip(words)?,
-            435 if dialect == Dialect::FanucVectors => self.length_and_tip(words)?,
+            435 if dialect == Dialect::FanucVectors => {
+                if words.needs('Q')? != 0.0 {
+                    return Err("a tool leant against its vector".into());
+                }
+                self.length_and_tip(words)?;
+            }
             2340 if dialect == Dialect::Haas => self.length_and_tip(words)?,
             _ => return Err(format!("G{} is not known", tenths as f64 / 10.0)),
         }

@@ -1,42 +1,24 @@
 //! Dynamic programming over branches and whole turns, along all runs at once.
 //!
-//! *Knots* are the stations that are not upright: each has two pairs of angles, and whole turns beyond. Between knots lie *hops*: a
+//! [`Knot`]s are the stations that are not upright: each has two pairs of angles, and whole turns beyond. Between knots lie *hops*: a
 //! block, an upright stretch, or the way above the stock from run to run. The cost is the time of both rotary axes, one
 //! after the other, and a fixed time for each retreat.
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 
-use super::bends::distances;
-use super::{Measure, Station, nearest};
+use super::knots::{Hop, Knot, knots};
+use super::{Measure, Station};
 use crate::machine::error::MachineError;
 use crate::machine::kinematics::Angles;
 
-/// What a retreat costs, minutes: more than any turn within a cut.
-const RETREAT: f64 = 0.2;
+/// What a turn beyond the largest swing costs where a retreat would mark a ligament, minutes: more than any retreat.
+const SLOW_TURN: f64 = 0.8;
 
 /// States that are kept at each knot: the cheapest ones.
-const KEPT: usize = 24;
+const KEPT: usize = 12;
 
-/// A station with two pairs of angles.
-struct Knot {
-    run: usize,
-    station: usize,
-    branches: [Angles; 2],
-    /// How the tool comes from the knot before.
-    hop: Hop,
-    /// What a retreat costs here; `None` where there must be none.
-    retreat: Option<f64>,
-}
-
-enum Hop {
-    /// From another run, or from home.
-    Link,
-    /// In one block: the change of the turn for each pair of branches.
-    Block([[Option<f64>; 2]; 2]),
-    /// Along upright stations of the same run; the best one for a retreat and its cost.
-    Upright(Range<usize>, Option<(usize, f64)>),
-}
+/// States that are kept for the few turns they have made.
+const UNWOUND: usize = 4;
 
 /// One way to stand at a knot.
 #[derive(Debug, Clone, Copy)]
@@ -58,10 +40,44 @@ enum Back {
     Retreat(usize),
 }
 
+/// What is left of a state once the next knot is reached: small, since there are millions.
+#[derive(Debug, Clone, Copy)]
+struct Trace {
+    branch: u8,
+    retreat: bool,
+    turns: i16,
+    back: u16,
+}
+
+/// The states of all knots, those of knot i from `starts[i]` on.
+#[derive(Default)]
+struct Steps {
+    traces: Vec<Trace>,
+    starts: Vec<usize>,
+    /// Those of the last knot, with their costs.
+    last: Vec<State>,
+}
+
+impl Steps {
+    fn push(&mut self, states: Vec<State>) {
+        self.starts.push(self.traces.len());
+        self.traces.extend(states.iter().map(|state| {
+            let (retreat, back) = match state.back {
+                Back::Home => (false, 0),
+                Back::Knot(from) => (false, from),
+                Back::Retreat(from) => (true, from),
+            };
+            // Limits of 1e5 degrees are 278 turns, and states some dozens.
+            Trace { branch: state.branch as u8, retreat, turns: state.turns as i16, back: back as u16 }
+        }));
+        self.last = states;
+    }
+}
+
 impl Knot {
-    fn angles(&self, state: &State) -> Angles {
-        let base = self.branches[state.branch];
-        Angles { turn: base.turn + TAU * f64::from(state.turns), ..base }
+    fn angles(&self, branch: usize, turns: i32) -> Angles {
+        let base = self.branches[branch];
+        Angles { turn: base.turn + TAU * f64::from(turns), ..base }
     }
 }
 
@@ -77,93 +93,67 @@ pub(super) fn choose(runs: &mut [Vec<Station>], measure: &Measure) -> Result<(),
     Ok(())
 }
 
-fn knots(runs: &[Vec<Station>], measure: &Measure) -> Vec<Knot> {
-    let mut knots: Vec<Knot> = Vec::new();
-    for (run, stations) in runs.iter().enumerate() {
-        let clear = distances(stations, measure.diameter);
-        let cost = |station: usize| {
-            let distance = clear[station];
-            // Outside the stock nothing is near. The farther from a bend, the better.
-            (distance >= measure.diameter)
-                .then(|| RETREAT * (1.0 + measure.diameter / (measure.diameter + distance)))
-        };
-        let mut before: Option<usize> = None;
-        for (station, at) in stations.iter().enumerate() {
-            if measure.is_upright(&at.pose) {
-                continue;
-            }
-            let branches = measure.rotary.branches(&measure.on_table(&at.pose));
-            let hop = match before {
-                None => Hop::Link,
-                Some(last) if last + 1 == station => {
-                    let poses = [&stations[last].pose, &at.pose];
-                    Hop::Block(measure.ways(poses, [knots[knots.len() - 1].branches, branches]))
-                }
-                Some(last) => {
-                    let best = (last + 1..station).filter_map(|i| cost(i).map(|cost| (i, cost)));
-                    Hop::Upright(last + 1..station, best.min_by(|a, b| a.1.total_cmp(&b.1)))
-                }
-            };
-            knots.push(Knot { run, station, branches, hop, retreat: cost(station) });
-            before = Some(station);
-        }
-    }
-    knots
-}
-
-/// The states of every knot, cheapest first.
+/// The states of every knot.
 fn walk(
     knots: &[Knot],
     runs: &[Vec<Station>],
     measure: &Measure,
     retreats: bool,
-) -> Result<Vec<Vec<State>>, MachineError> {
-    let mut all: Vec<Vec<State>> = Vec::with_capacity(knots.len());
+) -> Result<Steps, MachineError> {
+    let mut steps = Steps::default();
     for (index, knot) in knots.iter().enumerate() {
         let mut states = Vec::new();
-        match all.last() {
-            None => {
-                for angles in everywhere(knot, measure, 0.0) {
-                    let cost = time(measure, Angles::default(), angles.1);
-                    keep(&mut states, State { cost, back: Back::Home, ..angles.0 });
-                }
+        if index == 0 {
+            for (state, angles) in everywhere(knot, measure, 0.0) {
+                let cost = time(measure, Angles::default(), angles);
+                keep(&mut states, State { cost, back: Back::Home, ..state });
             }
-            Some(before) => {
-                for (from, state) in before.iter().enumerate() {
-                    hop(&knots[index - 1], knot, (from, state), measure, &mut states);
-                }
+        } else {
+            let before = &knots[index - 1];
+            let poses = [before, knot].map(|knot| &runs[knot.run][knot.station].pose);
+            let ways = match knot.hop {
+                Hop::Block => measure.ways(poses, [before.branches, knot.branches]),
+                _ => [[None; 2]; 2],
+            };
+            for (from, state) in steps.last.iter().enumerate() {
+                hop([before, knot], &ways, (from, state), measure, &mut states);
             }
         }
+        prune(&mut states);
         if retreats && let Some(cost) = knot.retreat {
-            for (from, state) in states.clone().iter().enumerate() {
-                let angles = knot.angles(state);
-                for (other, to) in everywhere(knot, measure, angles.turn) {
-                    let cost = state.cost + cost + time(measure, angles, to);
-                    // A state's place in the list must not move while others point at it: only better ones change.
-                    if states.iter().all(|known| !same(known, &other)) {
-                        states.push(State { cost, back: Back::Retreat(from), ..other });
-                    }
-                }
-            }
+            retreat(knot, cost, measure, &mut states);
         }
         if states.is_empty() {
             let tip = runs[knot.run][knot.station].pose.tip;
             return Err(MachineError::Limits { run: knot.run + 1, tip });
         }
-        all.push(prune(states));
+        steps.push(states);
     }
-    Ok(all)
+    Ok(steps)
+}
+
+/// Adds what a retreat leads to that is not reached without one: states keep their places, since retreats point at these.
+fn retreat(knot: &Knot, cost: f64, measure: &Measure, states: &mut Vec<State>) {
+    for (from, state) in states.clone().iter().enumerate() {
+        let angles = knot.angles(state.branch, state.turns);
+        for (other, to) in everywhere(knot, measure, angles.turn) {
+            if states.iter().all(|known| !same(known, &other)) {
+                let cost = state.cost + cost + time(measure, angles, to);
+                states.push(State { cost, back: Back::Retreat(from), ..other });
+            }
+        }
+    }
 }
 
 /// Appends what one state before leads to.
 fn hop(
-    before: &Knot,
-    knot: &Knot,
+    [before, knot]: [&Knot; 2],
+    ways: &[[Option<f64>; 2]; 2],
     (from, state): (usize, &State),
     measure: &Measure,
     states: &mut Vec<State>,
 ) {
-    let start = before.angles(state);
+    let start = before.angles(state.branch, state.turns);
     let mut reach = |branch: usize, turn: f64, extra: f64| {
         let end = Angles { turn, ..knot.branches[branch] };
         if within(measure, end) {
@@ -178,7 +168,7 @@ fn hop(
                 reach(other.branch, end.turn, 0.0);
             }
         }
-        Hop::Block(ways) => {
+        Hop::Block => {
             for (branch, way) in ways[state.branch].iter().enumerate() {
                 if let Some(change) = way {
                     reach(branch, start.turn + change, 0.0);
@@ -187,24 +177,23 @@ fn hop(
         }
         Hop::Upright(_, retreat) => {
             for (other, end) in everywhere(knot, measure, start.turn) {
-                if (end.turn - start.turn).abs() <= measure.rotary.max_swing {
-                    reach(other.branch, end.turn, 0.0);
-                } else if let Some((_, cost)) = retreat {
-                    reach(other.branch, end.turn, *cost);
-                }
+                let slow = (end.turn - start.turn).abs() > measure.rotary.max_swing;
+                let extra = if slow { retreat.map_or(SLOW_TURN, |(_, cost)| cost) } else { 0.0 };
+                reach(other.branch, end.turn, extra);
             }
         }
     }
 }
 
-/// All pairs of angles of a knot within the limits and two turns of `turn`.
+/// All pairs of angles of a knot within the limits and two turns of `turn`, or unwound.
 fn everywhere(knot: &Knot, measure: &Measure, turn: f64) -> Vec<(State, Angles)> {
     let mut all = Vec::with_capacity(10);
     for branch in [0, 1] {
         let middle = ((turn - knot.branches[branch].turn) / TAU).round() as i32;
-        for turns in middle - 2..=middle + 2 {
+        let near = middle - 2..=middle + 2;
+        for turns in near.clone().chain((-1..=1).filter(|turns| !near.contains(turns))) {
             let state = State { branch, turns, cost: 0.0, back: Back::Home };
-            let angles = knot.angles(&state);
+            let angles = knot.angles(branch, turns);
             if within(measure, angles) {
                 all.push((state, angles));
             }
@@ -236,38 +225,35 @@ fn keep(states: &mut Vec<State>, state: State) {
     }
 }
 
-/// The cheapest states, in the order they came in: retreats point at places in the list, and theirs stay.
-fn prune(mut states: Vec<State>) -> Vec<State> {
-    if states.len() <= KEPT {
-        return states;
+/// The cheapest states, and those with the least whole turns, in case the cheap ones run into the limits.
+fn prune(states: &mut Vec<State>) {
+    if states.len() <= KEPT + UNWOUND {
+        return;
     }
-    let reached = states.iter().take_while(|state| !matches!(state.back, Back::Retreat(_))).count();
-    if reached < states.len() {
-        states.truncate(reached.max(KEPT));
-        return states;
-    }
-    states
-        .sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.branch.cmp(&b.branch)).then(a.turns.cmp(&b.turns)));
-    states.truncate(KEPT);
-    states
+    let name = |state: &State| (state.branch, state.turns);
+    states.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(name(a).cmp(&name(b))));
+    states[KEPT..].sort_by_key(|state| (state.turns.abs(), name(state)));
+    states.truncate(KEPT + UNWOUND);
 }
 
 /// Angles of arrival and departure at each knot on the cheapest way, the unwinding at the end included.
-fn backwards(knots: &[Knot], steps: &[Vec<State>], measure: &Measure) -> Vec<[Angles; 2]> {
+fn backwards(knots: &[Knot], steps: &Steps, measure: &Measure) -> Vec<[Angles; 2]> {
     let mut chosen = vec![[Angles::default(); 2]; knots.len()];
-    let Some((knot, states)) = knots.last().zip(steps.last()) else { return chosen };
-    let total = |state: &State| state.cost + time(measure, knot.angles(state), Angles::default());
+    let Some(knot) = knots.last() else { return chosen };
+    let total =
+        |state: &State| state.cost + time(measure, knot.angles(state.branch, state.turns), Angles::default());
+    let states = &steps.last;
     let best = (0..states.len()).min_by(|&a, &b| total(&states[a]).total_cmp(&total(&states[b])));
     let mut state = best.unwrap_or(0);
-    for index in (0..knots.len()).rev() {
-        let leave = knots[index].angles(&steps[index][state]);
-        if let Back::Retreat(from) = steps[index][state].back {
-            state = from;
+    for (index, knot) in knots.iter().enumerate().rev() {
+        let trace = |state: usize| steps.traces[steps.starts[index] + state];
+        let angles = |trace: Trace| knot.angles(usize::from(trace.branch), i32::from(trace.turns));
+        let leave = angles(trace(state));
+        if trace(state).retreat {
+            state = usize::from(trace(state).back);
         }
-        chosen[index] = [knots[index].angles(&steps[index][state]), leave];
-        if let Back::Knot(from) = steps[index][state].back {
-            state = from;
-        }
+        chosen[index] = [angles(trace(state)), leave];
+        state = usize::from(trace(state).back);
     }
     chosen
 }
@@ -275,7 +261,7 @@ fn backwards(knots: &[Knot], steps: &[Vec<State>], measure: &Measure) -> Vec<[An
 fn write(runs: &mut [Vec<Station>], knots: &[Knot], chosen: &[[Angles; 2]], measure: &Measure) {
     for (knot, [arrive, leave]) in knots.iter().zip(chosen) {
         let station = &mut runs[knot.run][knot.station];
-        (station.arrive, station.leave) = (*arrive, *leave);
+        (station.arrive, station.leave, station.retreat) = (*arrive, *leave, arrive != leave);
     }
     let mut next = 0;
     let mut held = 0.0;
@@ -313,14 +299,14 @@ fn upright(stations: &mut [Station], turn: f64) {
     }
 }
 
-/// Turns from one angle to the other along an upright stretch, at once by a retreat where it is too much for a cut.
+/// Turns from one angle to the other along an upright stretch; what is too much for a cut by a retreat, if there may be one.
 fn stand(stations: &mut [Station], [from, to]: [f64; 2], retreat: Option<usize>, measure: &Measure) {
     let change = to - from;
     upright(stations, from);
-    if change.abs() > measure.rotary.max_swing {
-        let at = retreat.unwrap_or(0);
+    if let Some(at) = retreat.filter(|_| change.abs() > measure.rotary.max_swing) {
         upright(&mut stations[at..], to);
         stations[at].arrive.turn = from;
+        stations[at].retreat = true;
         return;
     }
     let mut lengths = vec![0.0; stations.len()];
@@ -334,7 +320,7 @@ fn stand(stations: &mut [Station], [from, to]: [f64; 2], retreat: Option<usize>,
         station.leave = station.arrive;
     }
     // On the spot where there is no stretch; below a billionth of a degree nothing is left to turn.
-    if let Some(last) = stations.last_mut().filter(|last| nearest(last.arrive.turn - to).abs() > 1e-11) {
+    if let Some(last) = stations.last_mut().filter(|last| (last.arrive.turn - to).abs() > 1e-11) {
         last.leave.turn = to;
     }
 }

@@ -12,12 +12,16 @@
 //!   upright stretch, up to `max_swing_deg`;
 //! - beyond that, and where limits would be run over, the tool retreats along its axis, turns above the stock and comes back to
 //!   the same pose: as far from bends of its path as the run allows, since slits bend at their ends, at the ligaments,
-//!   and never closer to one than the tool's diameter. Where there is no such place the job is refused.
+//!   and never closer to one than the tool's diameter;
+//! - where an upright stretch lies in a bend altogether C turns along it all the same, in blocks of at most
+//!   `max_swing_deg`, the feed as slow as that takes: better than a mark at a ligament. Where limits leave no such way either,
+//!   the job is refused.
 //! - Near the pole, but not at it, C turns fast; blocks are halved until none turns an axis by more than
 //!   `max_swing_deg`, and feed drops to what the axis does.
 
 mod bends;
 mod chain;
+mod knots;
 mod refine;
 mod spread;
 
@@ -45,8 +49,10 @@ pub(super) struct Station {
     pub kind: Kind,
     /// Angles on arrival.
     pub arrive: Angles,
-    /// Angles on departure: the same but where the tool retreats, turns and comes back.
+    /// Angles on departure: the same but for a retreat.
     pub leave: Angles,
+    /// Whether the tool retreats here, turns above the stock and comes back.
+    pub retreat: bool,
 }
 
 /// What the solution is measured by.
@@ -118,7 +124,8 @@ fn straight(toolpath: &Toolpath, length: f64) -> Result<Vec<Vec<Station>>, Machi
                 return Err(MachineError::Tilted { run: index + 1, block, tip: pose.tip, degrees });
             }
             let pose = Pose { axis: Vector3::z_axis(), ..pose };
-            stations.push(Station { pose, rate, kind, arrive: Angles::default(), leave: Angles::default() });
+            let angles = Angles::default();
+            stations.push(Station { pose, rate, kind, arrive: angles, leave: angles, retreat: false });
         }
         runs.push(stations);
     }

@@ -1,5 +1,7 @@
 //! Halving blocks until a controller that turns angles cuts the wall that the path means.
 
+use rayon::prelude::*;
+
 use super::{Measure, Station, between};
 use crate::machine::kinematics::Angles;
 use crate::milling::toolpath::{Kind, Pose, Rate, Toolpath};
@@ -23,11 +25,11 @@ pub(super) fn refine(toolpath: &Toolpath, measure: &Measure) -> Vec<Vec<Station>
         }
         stations
     };
-    toolpath.runs.iter().map(refined).collect()
+    toolpath.runs.par_iter().map(refined).collect()
 }
 
 fn station(pose: Pose, rate: Rate, kind: Kind) -> Station {
-    Station { pose, rate, kind, arrive: Angles::default(), leave: Angles::default() }
+    Station { pose, rate, kind, arrive: Angles::default(), leave: Angles::default(), retreat: false }
 }
 
 /// Appends the stations after the first of `poses`.

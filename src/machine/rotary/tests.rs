@@ -143,6 +143,23 @@ fn what_c_must_turn_by_it_turns_where_the_tool_is_upright() {
 }
 
 #[test]
+fn in_a_bend_c_turns_slowly_and_the_tool_stays() {
+    let machine = machine("linuxcnc-xyzac-trt");
+    let swing = machine.rotary.as_ref().unwrap().max_swing;
+    // Upright only in the round end of a slit, with the axis square to what it was on the way out.
+    let mut poses: Vec<Pose> = (0..=10).map(|i| pose(f64::from(i), 0.0, -5.2, 0.06, 0.0)).collect();
+    poses.extend((0..=10).map(|i| {
+        let (s, c) = (f64::from(i) * PI / 10.0).sin_cos();
+        pose(11.0 + 0.5 * s, 0.5 - 0.5 * c, -5.2, 0.0, 0.0)
+    }));
+    poses.extend((1..=10).map(|i| pose(11.0 - f64::from(i), 1.0, -5.2, 0.0, 0.06)));
+    let stations = solved(&machine, vec![run(&poses)]).remove(0);
+    assert!(retreats(&stations).is_empty());
+    let (turned, largest) = turned(&stations);
+    assert!((turned[1] - PI / 2.0).abs() < 1e-9 && largest <= swing * (1.0 + 1e-12), "{turned:?} {largest}");
+}
+
+#[test]
 fn limits_make_the_tool_retreat_away_from_bends() {
     let mut machine = machine("linuxcnc-xyzbc-trt");
     let rotary = machine.rotary.as_mut().unwrap();
@@ -160,6 +177,15 @@ fn limits_make_the_tool_retreat_away_from_bends() {
     // The same ring without limits needs none.
     machine.rotary.as_mut().unwrap().limits[1] = [-100.0, 100.0];
     assert!(retreats(&solved(&machine, vec![ring(3, 0.07)])[0]).is_empty());
+}
+
+/// Runs that each wind the same way are unwound above the stock before the limits are reached.
+#[test]
+fn windings_are_undone_between_runs() {
+    let mut machine = machine("linuxcnc-xyzbc-trt");
+    machine.rotary.as_mut().unwrap().limits[1] = [-40.0 * TAU, 40.0 * TAU];
+    let runs = solved(&machine, (0..12).map(|_| ring(11, 0.07)).collect());
+    assert!(runs.iter().all(|stations| retreats(stations).is_empty()));
 }
 
 #[test]
