@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use kurbo::Point;
+use kurbo::{Point, Vec2};
 use nalgebra::{Unit, Vector3};
 
 use super::error::MillingError;
@@ -56,6 +56,21 @@ pub struct Planned {
     pub path: Toolpath,
     /// The bridges on the borders.
     pub tabs: Vec<Tab>,
+}
+
+impl Planned {
+    /// The same for several parts: all openings before the first border.
+    #[must_use]
+    pub fn copied(&self, copies: &[Vec2]) -> Self {
+        let of = |contour: Contour| {
+            copies.iter().flat_map(move |by| {
+                self.path.runs.iter().filter(move |run| run.contour == contour).map(|run| run.moved(*by))
+            })
+        };
+        let runs = of(Contour::Opening).chain(of(Contour::Border)).collect();
+        let tabs = copies.iter().flat_map(|by| self.tabs.iter().map(|tab| Tab { at: tab.at + *by, ..*tab }));
+        Self { path: Toolpath { runs, ..self.path }, tabs: tabs.collect() }
+    }
 }
 
 /// The path that cuts all openings, then the borders. `way`: time from above one place to above another; the order of the

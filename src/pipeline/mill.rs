@@ -1,5 +1,6 @@
 //! From a checked sheet to a verified milling program: path, program, and the program read back and milled on paper.
 
+use kurbo::Vec2;
 use nalgebra::Vector3;
 
 use crate::fabrication::fabricate::Fabrication;
@@ -12,25 +13,16 @@ use crate::milling::sweep::{Figures, Move, Neck, Wanted, inspect};
 use crate::milling::toolpath::{Pose, Rate};
 use crate::profile::{Profile, Tool};
 use crate::solid::Walls;
+use crate::solid::loft::joined;
 use crate::solid::strokes::Strokes;
 
 /// Turns of a rotary axis beyond this within a move, radians, are looked at step by step: a turn too many is seen as the cut
 /// that it makes. Below it a program's moves were divided so that the axis turns evenly.
 const LOOK: f64 = 0.6;
 
-/// The machine for milled sheets of jobs that name none.
-pub const DEFAULT_MACHINE: &str = "linuxcnc-xyzbc-trt";
-
 /// How the walls of a sheet stand.
 pub fn walls(profile: &Profile) -> Walls {
     if profile.cut.ruled { Walls::Ruled } else { Walls::Vertical }
-}
-
-/// The profile as a machine can follow it: with three axes walls stand upright.
-#[must_use]
-pub fn on_machine(mut profile: Profile, machine: &Machine) -> Profile {
-    profile.cut.ruled &= machine.rotary.is_some();
-    profile
 }
 
 /// A verified program.
@@ -47,9 +39,6 @@ pub struct Milled {
 /// Why there is no program.
 #[derive(Debug, thiserror::Error)]
 pub enum MillError {
-    /// The profile has no tool.
-    #[error("the profile {0} is not for milling: it has no table [tool]")]
-    NoTool(String),
     /// No path.
     #[error(transparent)]
     Path(#[from] MillingError),
@@ -75,24 +64,35 @@ fn told(findings: &[Finding]) -> String {
     lines.join("\n")
 }
 
-/// Makes the program of a sheet and holds it against the finished `part`.
+/// What is milled.
+#[derive(Debug, Clone, Copy)]
+pub struct Order<'a> {
+    /// The sheet, laid out.
+    pub sheet: &'a Fabrication,
+    /// The finished part.
+    pub part: &'a TriMesh,
+    /// The profile that it was laid out for.
+    pub profile: &'a Profile,
+    /// Its tool, with the job's tabs.
+    pub tool: &'a Tool,
+    /// Where each copy lies, from the sheet's own coordinates.
+    pub copies: &'a [Vec2],
+    /// What takes the program.
+    pub machine: &'a Machine,
+}
+
+/// Makes the program of a sheet and holds it against the finished part.
 ///
 /// # Errors
-/// No tool, no path, nothing that the machine can do, or a program that leaves something else than the part.
-pub fn mill(
-    sheet: &Fabrication,
-    part: &TriMesh,
-    profile: &Profile,
-    machine: &Machine,
-    header: &Header,
-) -> Result<Milled, MillError> {
-    let tool = profile.tool.as_ref().ok_or_else(|| MillError::NoTool(profile.name.clone()))?;
-    let planned = plan(sheet, profile, tool, machine)?;
+/// No path, nothing that the machine can do, or a program that leaves something else than the part.
+pub fn mill(order: &Order, header: &Header) -> Result<Milled, MillError> {
+    let Order { sheet, part, profile, tool, copies, machine } = *order;
+    let planned = plan(sheet, profile, tool, machine)?.copied(copies);
     let program = machine::post(&planned.path, machine, header)?;
-    let necks = necks(sheet, profile);
+    let necks: Vec<Neck> = sheet.hinges.iter().map(|row| Neck::new(row, walls(profile) == Walls::Vertical)).collect();
     let wanted = Wanted {
-        part,
-        necks: &necks,
+        part: &copied(part, copies),
+        necks: &necks.iter().flat_map(|neck| copies.iter().map(|by| neck.moved(*by))).collect::<Vec<_>>(),
         stock: sheet.layout.sheet,
         thickness: profile.sheet.thickness,
         radius: 0.5 * profile.cut.kerf,
@@ -106,11 +106,17 @@ pub fn mill(
     Ok(Milled { planned, program, figures })
 }
 
+/// A part as often as it is made.
+pub fn copied(part: &TriMesh, copies: &[Vec2]) -> TriMesh {
+    joined(copies.iter().map(|by| {
+        let mut copy = part.clone();
+        copy.vertices.iter_mut().for_each(|vertex| *vertex += Vector3::new(by.x, by.y, 0.0));
+        copy
+    }))
+}
+
 /// The path of a sheet's tool on a machine.
-///
-/// # Errors
-/// Those of [`path`].
-pub fn plan(
+fn plan(
     sheet: &Fabrication,
     profile: &Profile,
     tool: &Tool,
@@ -122,12 +128,6 @@ pub fn plan(
     }
     let work = Work { strokes: &strokes, hinges: &sheet.hinges, tool, thickness: profile.sheet.thickness };
     path(&work, &|a, b| air(machine, a, b))
-}
-
-/// The ligaments as they can be made.
-pub fn necks(sheet: &Fabrication, profile: &Profile) -> Vec<Neck> {
-    let upright = walls(profile) == Walls::Vertical;
-    sheet.hinges.iter().map(|row| Neck::new(row, upright)).collect()
 }
 
 /// Time from above one place to above another, minutes: the slowest axis, by the shorter of both branches.

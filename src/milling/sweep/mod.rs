@@ -78,6 +78,12 @@ impl Neck {
         let (beside, told) = (row.pole_offset.abs(), row.centre_offset);
         Self { id: row.id, at, lean, width: row.width, beside, told }
     }
+
+    /// The same of a copy.
+    #[must_use]
+    pub fn moved(&self, by: Vec2) -> Self {
+        Self { at: self.at + by, ..*self }
+    }
 }
 
 /// What a program is held against.
