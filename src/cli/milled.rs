@@ -134,7 +134,8 @@ pub fn setup(milled: &Milled, results: &Results, machine: &Machine) -> String {
     row("Cuts in", format!("x {:.1} to {:.1}, y {:.1} to {:.1} mm", low.x, high.x, low.y, high.y));
     row("Spoilboard", format!("the tip goes {:.2} mm below the stock: at least {:.1} mm thick", -deepest - sheet.thickness, 2.0 - deepest - sheet.thickness));
     row("Workholding", "vacuum or tape over the whole area; no clamp within the cuts and the holder's reach".to_owned());
-    row("Order", format!("{} openings, then {borders} borders", stats.runs - borders));
+    let last = if borders == 1 { "the border".to_owned() } else { format!("{borders} borders") };
+    row("Order", format!("{} openings, then {last}", stats.runs - borders));
     row("Comes loose", match milled.figures.loose {
         0 => "nothing before the border".to_owned(),
         count => format!("{count} scraps of windows, before the border: take them out at a stop"),

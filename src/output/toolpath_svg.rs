@@ -108,21 +108,34 @@ fn links(runs: &[Run], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// Blocks that belong together, each with the pose before the first.
+fn stretches(run: &Run, same: impl Fn(&Block, &Block) -> bool) -> Vec<(Pose, &[Block])> {
+    let mut before = run.start;
+    let mut all = Vec::new();
+    for blocks in run.blocks.chunk_by(same) {
+        all.push((before, blocks));
+        before = blocks[blocks.len() - 1].to;
+    }
+    all
+}
+
 /// The tip's way at every depth; what is passed again at the same depth is drawn once.
 fn levels(run: &Run, deepest: f64, out: &mut impl Write) -> io::Result<()> {
-    let cutting = |block: &&Block| matches!(block.kind, Kind::Rough | Kind::Finish);
-    let blocks: Vec<&Block> = run.blocks.iter().filter(cutting).collect();
     let mut drawn: Vec<i64> = Vec::new();
-    for level in blocks.chunk_by(|a, b| a.kind == b.kind && (a.to.tip.z - b.to.tip.z).abs() < 1e-6) {
+    let same = |a: &Block, b: &Block| a.kind == b.kind && (a.to.tip.z - b.to.tip.z).abs() < 1e-6;
+    for (before, level) in stretches(run, same) {
         let z = level[0].to.tip.z;
+        if !matches!(level[0].kind, Kind::Rough | Kind::Finish) {
+            continue;
+        }
         let key = (z * 1e4).round() as i64;
-        if level.len() > 2 && run.contour == Contour::Opening {
+        if level[0].kind == Kind::Finish && run.contour == Contour::Opening {
             if drawn.contains(&key) {
                 continue;
             }
             drawn.push(key);
         }
-        let way = line(level.iter().map(|block| &block.to));
+        let way = line(std::iter::once(&before).chain(level.iter().map(|block| &block.to)));
         let dash = if level[0].kind == Kind::Finish { "" } else { " stroke-dasharray=\"2 0.3\"" };
         writeln!(out, "<path d=\"{way}\" stroke=\"{}\"{dash}/>", colour(z / deepest))?;
     }
@@ -130,9 +143,9 @@ fn levels(run: &Run, deepest: f64, out: &mut impl Write) -> io::Result<()> {
 }
 
 fn ramps(run: &Run, out: &mut impl Write) -> io::Result<()> {
-    for pair in run.blocks.chunk_by(|a, b| a.kind == b.kind) {
-        if pair[0].kind == Kind::Ramp {
-            let way = line(pair.iter().map(|block| &block.to));
+    for (before, ramp) in stretches(run, |a, b| a.kind == b.kind) {
+        if ramp[0].kind == Kind::Ramp {
+            let way = line(std::iter::once(&before).chain(ramp.iter().map(|block| &block.to)));
             writeln!(out, "<path d=\"{way}\" stroke=\"#ff7a00\"/>")?;
         }
     }
