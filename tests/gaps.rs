@@ -88,11 +88,12 @@ fn ligaments_stand_off_their_hinges_by_their_poles_and_turn_about_them() {
 fn milled_gaps_have_room_for_two_axes_that_tilt_apart() {
     let own = profile("nylon-6-5mm", &[]).replace("strain_limit = 0.37", "strain_limit = 0.49");
     let own = own.replace("extra_length_mm = 0.0", "extra_length_mm = 1.5");
-    let folder = job_folder("gaps-milled", &own, 12, "");
+    let folder = job_folder("gaps-milled", &own, 18, "");
     let done = run(&folder, ["design", "job.toml", "-o", "design.json"]);
     assert_eq!(done.status, 0, "{}", done.stderr);
     let design: Value = serde_json::from_slice(&fs::read(folder.join("design.json")).unwrap()).unwrap();
-    let mut corners: BTreeMap<usize, Vec<([f64; 3], [f64; 3])>> = BTreeMap::new();
+    type Arm = ([f64; 3], [f64; 3]);
+    let mut corners: BTreeMap<usize, Vec<Arm>> = BTreeMap::new();
     for hinge in design["hinges"].as_array().unwrap() {
         let (corner, arm) = arm(&design, hinge);
         corners.entry(corner).or_default().push((arm, point(&hinge["axis"])));

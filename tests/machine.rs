@@ -1,5 +1,5 @@
-//! Programs for LinuxCNC, run by its own stand-alone interpreter: what comes out, put through kinematics of another hand, is the
-//! path that went in.
+//! Programs for LinuxCNC, run by its own stand-alone interpreter: what comes out, put through kinematics of
+//! another hand, is the path that went in.
 
 mod peers;
 

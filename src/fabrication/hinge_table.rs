@@ -8,7 +8,7 @@ use super::mechanics::{
 };
 use crate::geometry::plane::doubled_area;
 use crate::geometry::{Point3, Vector3};
-use crate::kirigami::design::{Design, Hinge};
+use crate::kirigami::design::{Design, Hinge, PatternKind, State};
 use crate::profile::Profile;
 
 /// Whether a hinge can be made as designed.
@@ -75,7 +75,9 @@ pub struct HingeRow {
 
 /// Ligaments whose width differs from the profile's by more than this fail, millimetres.
 const WIDTH_TOLERANCE: f64 = 0.02;
-/// Largest offset of the ligament's centre, in ligament widths, that passes without a warning.
+/// Largest offset of the ligament's centre that passes where nothing forces it, millimetres.
+const CENTRE_TOLERANCE: f64 = 0.01;
+/// Largest offset of the ligament's centre, in ligament widths, that passes without a warning where the design forces it.
 const OFFSET_LIMIT: f64 = 0.05;
 /// Largest error of the axis at the sheet's faces, in ligament widths, that passes without a warning.
 const TILT_LIMIT: f64 = 0.1;
@@ -92,8 +94,43 @@ pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Pro
         .iter()
         .zip(ligaments)
         .enumerate()
-        .map(|(id, (hinge, ligament))| hinge_row(id, hinge, ligament, profile))
+        .map(|(id, (hinge, ligament))| {
+            let row = hinge_row(id, hinge, ligament, profile);
+            if is_exact(design, profile, ligament) { strict(row) } else { row }
+        })
         .collect()
+}
+
+/// Whether nothing keeps the cuts from putting the ligaments of a design where they belong: it was made by this program, with
+/// the gap that this profile needs.
+fn is_exact(design: &Design, profile: &Profile, ligament: &MeasuredLigament) -> bool {
+    let poles = match (design.pattern, design.sheet_state) {
+        (PatternKind::RotatingRectangles, Some(State::Closed)) => true,
+        _ => ligament.pole_offset == 0.0,
+    };
+    let gap = design.sheet_state == Some(State::Open) || (design.gap - profile.hinge_gap()).abs() < 1e-6;
+    design.pattern != PatternKind::Imported && gap && poles
+}
+
+/// The row of a hinge whose ligament could be at its place: it fails where it is not.
+fn strict(mut row: HingeRow) -> HingeRow {
+    if row.centre_offset <= CENTRE_TOLERANCE {
+        return row;
+    }
+    row.verdict = Verdict::Fail;
+    if !row.reason.contains(OFF) {
+        let others = if row.reason.is_empty() { String::new() } else { format!("; {}", row.reason) };
+        row.reason = off_its_place(&row) + &others;
+    }
+    row
+}
+
+/// How a reason begins that tells of a ligament beside its place.
+const OFF: &str = "ligament's centre is";
+
+fn off_its_place(row: &HingeRow) -> String {
+    let place = if row.pole_offset == 0.0 { "the hinge point" } else { "its place beside the hinge point" };
+    format!("{OFF} {:.3} mm from {place}", row.centre_offset)
 }
 
 /// The rows of hinges that were not laid out: with the profile's width and the length that each angle needs (at most
@@ -206,10 +243,7 @@ fn findings(row: &HingeRow, asked: f64, profile: &Profile) -> Vec<(Verdict, Stri
         findings.push((Verdict::Warn, text));
     }
     if row.centre_offset > OFFSET_LIMIT * width {
-        let place =
-            if row.pole_offset == 0.0 { "the hinge point" } else { "its place beside the hinge point" };
-        let text = format!("ligament's centre is {:.3} mm from {place}", row.centre_offset);
-        findings.push((Verdict::Warn, text));
+        findings.push((Verdict::Warn, off_its_place(row)));
     }
     if let Some(margin) = row.heat_margin.filter(|margin| *margin < 0.0) {
         let text = format!("the heat of both cuts reaches through it, by {:.3} mm", -margin);
@@ -277,6 +311,23 @@ mod tests {
         assert_eq!((row.width_margin, row.strain_class), (0.0, StrainClass::PlasticLowCycle));
         assert!((row.strain - 0.2406).abs() < 5e-4 && (row.effective_length - 0.653).abs() < 5e-4);
         assert_eq!(row.verdict, Verdict::Ok, "{}", row.reason);
+    }
+
+    #[test]
+    fn ligaments_that_could_be_at_their_place_fail_beside_it() {
+        let good = row(GOOD, 0.0, 1.5);
+        for (centre_offset, verdict) in [(0.009, Verdict::Ok), (0.011, Verdict::Fail), (0.03, Verdict::Fail)]
+        {
+            let row = strict(row(MeasuredLigament { centre_offset, ..GOOD }, 0.0, 1.5));
+            assert_eq!(row.verdict, verdict);
+            assert_eq!(
+                row.reason.matches(OFF).count(),
+                usize::from(verdict == Verdict::Fail),
+                "{}",
+                row.reason
+            );
+        }
+        assert_eq!(strict(good.clone()), good);
     }
 
     #[test]

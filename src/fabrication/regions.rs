@@ -19,6 +19,9 @@ use crate::kirigami::design::Design;
 /// A region that comes this near to the edge of the box in which it was looked for may go on beyond it, millimetres.
 const AT_EDGE: f64 = 1e-4;
 
+/// The box of a path or of one of its segments, with the indices of both.
+type Segment = GeomWithData<Rectangle<[f64; 2]>, (usize, usize)>;
+
 /// The cuts by place.
 struct Cuts<'a> {
     paths: &'a [CutPath],
@@ -27,7 +30,7 @@ struct Cuts<'a> {
     /// The grooves of open paths.
     grooves: Vec<Vec<Shape>>,
     /// Boxes of the open paths, and of each segment of the closed ones: the path's index and the segment's.
-    tree: RTree<GeomWithData<Rectangle<[f64; 2]>, (usize, usize)>>,
+    tree: RTree<Segment>,
     /// The box of them all.
     bounds: Rect,
     kerf: f64,

@@ -4,7 +4,8 @@ use thiserror::Error;
 
 use crate::geometry::Point3;
 
-/// A path that a machine cannot take. Runs and blocks count from 1, places are those of the tip in the part's frame.
+/// A path that a machine cannot take. Runs and blocks count from 1, places are those of the tip in the part's
+/// frame.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MachineError {
     /// There is nothing to do.
@@ -27,8 +28,8 @@ pub enum MachineError {
     },
     /// A tilted tool on a machine that cannot tilt it.
     #[error(
-        "run {run}, block {block}, {}: the tool tilts by {degrees:.3} degrees, and the machine has three axes; \
-         make vertical walls, or name a machine with five",
+        "run {run}, block {block}, {}: the tool tilts by {degrees:.3} degrees, and the machine has three \
+         axes; make vertical walls, or name a machine with five",
         place(tip)
     )]
     Tilted {
@@ -43,9 +44,9 @@ pub enum MachineError {
     },
     /// No way within the limits of the rotary axes.
     #[error(
-        "run {run}, {}: no angles within the limits of the rotary axes reach from here on, and no place in this run is \
-         far enough from the ends of its slits to retreat and turn back; widen the limits, set the job on a wedge \
-         ([fixture] tilt_deg), or name another machine",
+        "run {run}, {}: no angles within the limits of the rotary axes reach from here on, and no place in \
+         this run is far enough from the ends of its slits to retreat and turn back; widen the limits, set the \
+         job on a wedge ([fixture] tilt_deg), or name another machine",
         place(tip)
     )]
     Limits {
@@ -56,8 +57,8 @@ pub enum MachineError {
     },
     /// A joint beyond its travel.
     #[error(
-        "run {run}, {}: {axis} would stand at {value:.3} mm, and travels from {} to {} mm; move the job on the table \
-         (setup.zero_mm), use a shorter or longer tool (setup.tool_length_mm), or name another machine",
+        "run {run}, {}: {axis} would stand at {value:.3} mm, and travels from {} to {} mm; move the job on \
+         the table (setup.zero_mm), use a shorter or longer tool (setup.tool_length_mm), or name another machine",
         place(tip), range[0], range[1]
     )]
     Travel {
@@ -74,8 +75,8 @@ pub enum MachineError {
     },
     /// A spindle speed that the spindle does not have.
     #[error(
-        "the tool is to turn at {rpm} turns a minute, and the spindle does {} to {}; change the profile's speed, or name \
-         another machine", range[0], range[1]
+        "the tool is to turn at {rpm} turns a minute, and the spindle does {} to {}; change the profile's \
+         speed, or name another machine", range[0], range[1]
     )]
     Spindle {
         /// Asked for.
@@ -85,8 +86,8 @@ pub enum MachineError {
     },
     /// A run that is longer than the controller's memory.
     #[error(
-        "run {run} alone takes {bytes} bytes, and a program may have {limit} (output.max_bytes): a run is cut without a \
-         stop; raise the limit or feed the program from a drive"
+        "run {run} alone takes {bytes} bytes, and a program may have {limit} (output.max_bytes): a run is \
+         cut without a stop; raise the limit or feed the program from a drive"
     )]
     Memory {
         /// Run.

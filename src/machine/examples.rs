@@ -1,4 +1,5 @@
-//! Paths for the tests of this folder: slots along which the axis turns, beside the pole, through it and far from it.
+//! Paths for the tests of this folder: slots along which the axis turns, beside the pole, through it and far
+//! from it.
 
 use nalgebra::{Unit, Vector3};
 
@@ -43,8 +44,8 @@ pub(super) fn path(runs: Vec<Run>) -> Toolpath {
     Toolpath { radius: 0.5, thickness: 5.0, runs }
 }
 
-/// Ruled slots: between random axes of a few degrees, one straight through the upright, one beside it, one upright in
-/// its middle, one closed and one upright throughout.
+/// Ruled slots: between random axes of a few degrees, one straight through the upright, one beside it, one
+/// upright in its middle, one closed and one upright throughout.
 fn tilted_slots(tilt: f64) -> Toolpath {
     let pose = |x: f64, y: f64, z: f64, i: f64, j: f64| pose(x, y, z, tilt * i, tilt * j);
     let mut state = 7u64;

@@ -1,13 +1,15 @@
 //! Two rotary axes under the part: from angles to the tool's axis and place, and back.
 //!
-//! Frames: the *table's* turns with the part; with both angles zero it is the machine's, shifted to the program's zero.
-//! The *part's* is the path's own, z = 0 on top of the stock; a wedge turns it against the table's. Joint positions are those of the
-//! tip in machine coordinates: the spindle's face stands the tool's length above.
+//! Frames: the *table's* turns with the part; with both angles zero it is the machine's, shifted to the
+//! program's zero. The *part's* is the path's own, z = 0 on top of the stock; a wedge turns it against the
+//! table's. Joint positions are those of the tip in machine coordinates: the spindle's face stands the tool's
+//! length above.
 //!
-//! With the tool's angles seen from the part (sign +1, ISO), R = R_turn(turn) R_tilt(tilt) takes directions of the machine to
-//! those of the table: the tool's axis is R z. For sign -1 the table turns by the angles: both change sign. Places:
-//! p - turn centre = R_turn (R_tilt (m - tilt centre) + tilt centre - turn centre), which is LinuxCNC's `trtfuncs.c` for
-//! xyzac-trt and xyzbc-trt (sign -1) and `xyzab_tdr_kins.comp` (sign +1).
+//! With the tool's angles seen from the part (sign +1, ISO), R = R_turn(turn) R_tilt(tilt) takes directions
+//! of the machine to those of the table: the tool's axis is R z. For sign -1 the table turns by the angles:
+//! both change sign. Places: p - turn centre = R_turn (R_tilt (m - tilt centre) + tilt centre - turn centre),
+//! which is LinuxCNC's `trtfuncs.c` for xyzac-trt and xyzbc-trt (sign -1) and `xyzab_tdr_kins.comp` (sign
+//! +1).
 
 use std::f64::consts::PI;
 
@@ -56,7 +58,8 @@ impl Rotary {
 
     /// The two pairs of angles that point the tool along `axis` (table's frame), the turn in (-π, π] each.
     ///
-    /// Where the axis lies on the pole (upright on tables with C) the turn is free and comes out as one value of many.
+    /// Where the axis lies on the pole (upright on tables with C) the turn is free and comes out as one value
+    /// of many.
     pub fn branches(&self, axis: &Vector3<f64>) -> [Angles; 2] {
         let [i, j, k] = [axis.x, axis.y, axis.z];
         let (tilt, turn) = match self.table {
@@ -66,7 +69,8 @@ impl Rotary {
         };
         let other = match self.table {
             Table::TiltAC | Table::TiltBC => -tilt,
-            Table::TiltBA => (PI - tilt + PI).rem_euclid(2.0 * PI) - PI,
+            // From 90 to 270 degrees, without a seam where tools stand upright.
+            Table::TiltBA => PI - tilt,
         };
         let opposite = if turn > 0.0 { turn - PI } else { turn + PI };
         [
@@ -75,7 +79,8 @@ impl Rotary {
         ]
     }
 
-    /// Whether a tool along `axis` (table's frame) stands within `tilt` of the pole: never on a table of B and A.
+    /// Whether a tool along `axis` (table's frame) stands within `tilt` of the pole: never on a table of B
+    /// and A.
     pub fn is_upright(&self, axis: &Vector3<f64>, tilt: f64) -> bool {
         self.table != Table::TiltBA && axis.x.hypot(axis.y) <= tilt.sin() && axis.z > 0.0
     }

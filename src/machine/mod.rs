@@ -1,7 +1,7 @@
 //! Machine tools with up to five axes: their kinematics, and the programs that their controllers read.
 //!
-//! What goes in: a [`crate::milling::toolpath::Toolpath`]. What comes out: [`post`], words of a named dialect, and from these, by
-//! [`read`], the same poses again.
+//! What goes in: a [`crate::milling::toolpath::Toolpath`]. What comes out: [`post`], words of a named
+//! dialect, and from these, by [`read`], the same poses again.
 
 pub mod profile;
 

@@ -1,9 +1,10 @@
 //! All moves of a program, in its order, with angles, feeds and times: what is left is to write them down.
 //!
-//! Between runs the tool goes up along its own axis to the safe height, in a straight line above the next start while the axes
-//! turn, and down along its axis. Turning moves are fed, never rapid: controllers that hold the tip do not look after
-//! the speed of each joint at rapid. A program begins and ends above its first and last run with both angles zero (the upper
-//! one at whole turns), where the tip's coordinates are the same with tool centre point control and without.
+//! Between runs the tool goes up along its own axis to the safe height, in a straight line above the next
+//! start while the axes turn, and down along its axis. Turning moves are fed, never rapid: controllers that
+//! hold the tip do not look after the speed of each joint at rapid. A program begins and ends above its first
+//! and last run with both angles zero (the upper one at whole turns), where the tip's coordinates are the
+//! same with tool centre point control and without.
 
 use std::f64::consts::TAU;
 
@@ -98,7 +99,8 @@ pub(super) fn home_above(machine: &Machine, stand: &Stand) -> Stand {
     Stand { tip: raised.tip, angles: Angles { tilt: 0.0, turn } }
 }
 
-/// The stand lifted along its axis until the tip is `height` above the stock; unchanged where it is higher already.
+/// The stand lifted along its axis until the tip is `height` above the stock; unchanged where it is higher
+/// already.
 fn raised(machine: &Machine, stand: &Stand, height: f64) -> Stand {
     let axis = machine.tool_axis(stand.angles);
     let by = ((height - stand.tip.z) / axis.z).max(0.0);

@@ -57,10 +57,6 @@ const FLAT: f64 = 1e-6;
 /// Longest comment line, bytes; 255 is the limit of R12 readers.
 const COMMENT_BYTES: usize = 250;
 
-/// The bulge given to straight segments of a path that has arcs: the crate leaves group 42 out for 0, and some
-/// readers then keep the bulge of the vertex before. It is printed as 0.0.
-const PRINTED_ZERO: f64 = f64::MIN_POSITIVE;
-
 /// Writes a layout as DXF, with the comments (group 999) at its head.
 ///
 /// # Errors
@@ -144,18 +140,14 @@ fn stroke_line(points: &[kurbo::Point]) -> LwPolyline {
 }
 
 fn polyline(path: &CutPath) -> LwPolyline {
-    let curved = path.vertices.iter().any(|v| v.bulge != 0.0);
     let mut polyline = LwPolyline::default();
     polyline.set_is_closed(path.closed);
     polyline.vertices = path
         .vertices
         .iter()
-        .map(|v| LwPolylineVertex {
-            x: v.point.x,
-            y: v.point.y,
-            bulge: if curved && v.bulge == 0.0 { PRINTED_ZERO } else { v.bulge },
-            ..Default::default()
-        })
+        // Group 42 is left out for 0, as everybody does: where it says 0.0, FreeCAD takes the side for an arc without an
+        // end and drops the path.
+        .map(|v| LwPolylineVertex { x: v.point.x, y: v.point.y, bulge: v.bulge, ..Default::default() })
         .collect();
     polyline
 }

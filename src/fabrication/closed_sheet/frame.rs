@@ -287,8 +287,9 @@ fn directions(
             (normal, towards(normal.turn_90(), along))
         }
         CornerKind::Concave { hinged, exit, in_line_leaves } => {
-            let (in_line, other) = if in_line_leaves { (0, last) } else { (last, 0) };
-            let normal = gap_normal(design, topology, corner, hinged, Some(fan.edges[other]))
+            let in_line = if in_line_leaves { 0 } else { last };
+            // The vertex of the third piece is free, and need not stand opposite.
+            let normal = gap_normal(design, topology, corner, hinged, None)
                 .unwrap_or_else(|| chord_normal(fan.edges[in_line], exit, hinged));
             (normal, towards(normal.turn_90(), far(exit) - at))
         }

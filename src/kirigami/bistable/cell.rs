@@ -246,11 +246,16 @@ mod tests {
 
     #[test]
     fn restretched_cells_have_the_stretches_asked_for() {
-        let same = square(0.3).restretched([1.0; 2], square(0.3).stretches());
-        assert!((same.phi - square(0.3).phi).abs() < 1e-12 && (same.rectangle[1] - 0.42).abs() < 1e-12);
-        let other = square(0.3).restretched([1.1, 0.9], [1.2, 1.3]);
+        let same = square(0.01).restretched([1.0; 2], square(0.01).stretches());
+        assert!((same.phi - square(0.01).phi).abs() < 1e-12 && (same.rectangle[1] - 0.42).abs() < 1e-12);
+        let other = square(0.01).restretched([1.1, 0.9], [1.2, 1.3]);
         assert!(other.stretches().iter().zip([1.2, 1.3]).all(|(m, asked)| (m - asked).abs() < 1e-12));
         assert!((other.rectangle[0] * other.rectangle[1] - 0.42 * 0.42 * 0.99).abs() < 1e-12);
+        // A large rectangle that hardly turns has narrow necks: a smaller one that turns more has the same stretches.
+        let large = BistableCell { rectangle: [0.6; 2], gap: 0.045, ..square(0.0) };
+        let wide = large.restretched([1.0; 2], [1.15; 2]);
+        assert!((wide.neck() - 0.135).abs() < 1e-9 && wide.rectangle[0] < 0.6, "{wide:?} {}", wide.neck());
+        assert!((wide.stretches()[0] - 1.15).abs() < 1e-12);
     }
 
     #[test]

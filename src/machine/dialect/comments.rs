@@ -8,7 +8,8 @@ const LONGEST: usize = 100;
 
 /// Letters, digits and a few signs of a text; what else it has becomes `_`.
 ///
-/// No parenthesis, per cent sign, semicolon or line break is left: nothing can end the comment or be taken for a word.
+/// No parenthesis, per cent sign, semicolon or line break is left: nothing can end the comment or be taken
+/// for a word.
 pub(super) fn sanitised(text: &str) -> String {
     let plain = |letter: char| {
         letter.is_ascii_alphanumeric()
@@ -17,7 +18,8 @@ pub(super) fn sanitised(text: &str) -> String {
     text.chars().take(LONGEST).map(|letter| if plain(letter) { letter } else { '_' }).collect()
 }
 
-/// The lines of the head, each with a label of ours in front: LinuxCNC acts on comments that begin with words like MSG.
+/// The lines of the head, each with a label of ours in front: LinuxCNC acts on comments that begin with words
+/// like MSG.
 pub(super) fn head(facts: &Facts) -> Vec<String> {
     let Facts { machine, header, stats, toolpath, .. } = facts;
     let [low, high] = stats.bounds;

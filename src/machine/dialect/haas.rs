@@ -1,4 +1,5 @@
-//! Haas: tool center point control by `G234`, off by `G49`. It needs the machine's rotary zero point (MRZP) set.
+//! Haas: tool center point control by `G234`, off by `G49`. It needs the machine's rotary zero point (MRZP)
+//! set.
 
 use super::{Block, Facts, Words, fanuc, iso};
 

@@ -1,5 +1,6 @@
-//! Heidenhain conversational: `FUNCTION TCPM` or `M128` holds the tip. Angles are axis positions, turned evenly; `M127` keeps
-//! the control from taking the shorter way round. Machine coordinates (`M91`) only while the tip is free.
+//! Heidenhain conversational: `FUNCTION TCPM` or `M128` holds the tip. Angles are axis positions, turned
+//! evenly; `M127` keeps the control from taking the shorter way round. Machine coordinates (`M91`) only while
+//! the tip is free.
 
 use super::{Block, Facts, Words, iso, lengths, number};
 

@@ -1,5 +1,6 @@
 //! LinuxCNC (RS274/NGC). Kinematics are switched by an analog output that the machine's HAL connects to
-//! `motion.switchkins-type`; `M66` waits for the queue, so that the interpreter takes over the new coordinates.
+//! `motion.switchkins-type`; `M66` waits for the queue, so that the interpreter takes over the new
+//! coordinates.
 
 use super::{Block, Facts, Words, inverse_time, iso};
 

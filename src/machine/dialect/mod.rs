@@ -1,8 +1,9 @@
 //! The words of each controller. What to do was decided before; here it is only written down.
 //!
-//! Lengths and angles have a fixed number of digits, zeros at the end cut off but for one; no exponent, no negative
-//! zero. Words that do not change are left out, except at the beginning of a run. No line reaches 250 characters. Comments
-//! hold letters, digits and a few signs, so that no name of a user's can become a word.
+//! Lengths and angles have a fixed number of digits, zeros at the end cut off but for one; no exponent, no
+//! negative zero. Words that do not change are left out, except at the beginning of a run. No line reaches
+//! 250 characters. Comments hold letters, digits and a few signs, so that no name of a user's can become a
+//! word.
 
 mod comments;
 mod fanuc;
@@ -143,7 +144,8 @@ fn inverse_time(machine: &Machine) -> bool {
     machine.rotary.is_some() && !machine.tcp
 }
 
-/// The program's coordinates: on the table with the tip held, else of the joints, both from the program's zero.
+/// The program's coordinates: on the table with the tip held, else of the joints, both from the program's
+/// zero.
 fn lengths(machine: &Machine, at: &Stand) -> [String; 3] {
     let place = if inverse_time(machine) {
         machine.joints(&at.tip, at.angles) - machine.setup.zero

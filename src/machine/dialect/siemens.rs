@@ -1,5 +1,6 @@
-//! Siemens 840D: `TRAORI` holds the tip, `TRAFOOF` lets it go. With angles the machine's axes are turned evenly
-//! (`ORIMKS ORIAXES`), with vectors the tool in a plane (`ORIWKS ORIVECT`). The work offset is said again after `TRAORI`, which resets frames.
+//! Siemens 840D: `TRAORI` holds the tip, `TRAFOOF` lets it go. With angles the machine's axes are turned
+//! evenly (`ORIMKS ORIAXES`), with vectors the tool in a plane (`ORIWKS ORIVECT`). The work offset is said
+//! again after `TRAORI`, which resets frames.
 
 use super::{Block, Facts, Words, iso};
 

@@ -1,4 +1,5 @@
-//! Where machines are found: a path, the folder `profiles/machines` of the working directory, the program itself.
+//! Where machines are found: a path, the folder `profiles/machines` of the working directory, the program
+//! itself.
 
 use std::path::Path;
 
@@ -41,8 +42,8 @@ pub enum MachineFileError {
 
 /// Loads a machine by name or path.
 ///
-/// What contains a path separator or ends in `.toml` is a path, relative to `base_dir`. Else `NAME.toml` is looked
-/// for in the folder `profiles/machines` of the working directory, then among the embedded machines.
+/// What contains a path separator or ends in `.toml` is a path, relative to `base_dir`. Else `NAME.toml` is
+/// looked for in the folder `profiles/machines` of the working directory, then among the embedded machines.
 ///
 /// # Errors
 /// Nothing by that name, an unreadable file, or a file that breaks a rule.
@@ -66,7 +67,8 @@ fn read_file(path: &Path) -> Result<Machine, MachineFileError> {
     Ok(read::parse(&text, &name, &path.display().to_string())?)
 }
 
-/// The names that [`load`] knows: embedded and in the folder `profiles/machines` of the working directory, sorted.
+/// The names that [`load`] knows: embedded and in the folder `profiles/machines` of the working directory,
+/// sorted.
 pub fn names() -> Vec<String> {
     let mut names: Vec<String> = EMBEDDED.iter().map(|(name, _)| (*name).to_owned()).collect();
     // A folder that is absent or unreadable holds no machine.

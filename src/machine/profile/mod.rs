@@ -1,7 +1,8 @@
 //! Machines: kinematics, limits, set-up and controller, one TOML file each (`profiles/machines/*.toml`).
 //!
-//! A machine file is version 1 of this layout; [`load`] finds, reads and checks it as [`crate::profile::load`] does a
-//! material's. Inside, lengths are millimetres, angles radians, speeds millimetres or radians per minute.
+//! A machine file is version 1 of this layout; [`load`] finds, reads and checks it as
+//! [`crate::profile::load`] does a material's. Inside, lengths are millimetres, angles radians, speeds
+//! millimetres or radians per minute.
 
 mod load;
 mod read;
@@ -20,8 +21,8 @@ pub struct Machine {
     pub name: String,
     /// Who reads the program.
     pub dialect: Dialect,
-    /// Whether the controller holds the tool's tip while it turns axes (tool centre point control). A machine of three
-    /// axes has nothing to hold and says `false`.
+    /// Whether the controller holds the tool's tip while it turns axes (tool centre point control). A machine
+    /// of three axes has nothing to hold and says `false`.
     pub tcp: bool,
     /// Least and largest joint position of X, Y, Z: of the spindle's face, machine coordinates, millimetres.
     pub travel: [[f64; 2]; 3],
@@ -92,7 +93,8 @@ impl Table {
 pub struct Rotary {
     /// Which.
     pub table: Table,
-    /// +1: an angle is that of the tool seen from the part (ISO); -1: the table itself turns by it, LinuxCNC's habit for trunnions.
+    /// +1: an angle is that of the tool seen from the part (ISO); -1: the table itself turns by it,
+    /// LinuxCNC's habit for trunnions.
     pub sign: f64,
     /// A point on the axis that tilts, machine coordinates.
     pub tilt_centre: Point3,
@@ -164,7 +166,8 @@ pub struct Output {
     pub max_bytes: Option<usize>,
     /// Fanuc and Haas: the number after O.
     pub program_number: u32,
-    /// LinuxCNC: the analog output that switches kinematics, its value with tool centre point control and without.
+    /// LinuxCNC: the analog output that switches kinematics, its value with tool centre point control and
+    /// without.
     pub switch: [u32; 3],
 }
 

@@ -117,8 +117,8 @@ struct RawOutput {
 /// Reads and checks the text of a machine file. `name` becomes the machine's name, `file` stands in messages.
 ///
 /// # Errors
-/// Syntax, unknown, missing or mistyped keys, numbers that are not finite or out of range or contradict each other,
-/// rotary axes that do not belong to the kind, another version than 1.
+/// Syntax, unknown, missing or mistyped keys, numbers that are not finite or out of range or contradict each
+/// other, rotary axes that do not belong to the kind, another version than 1.
 pub fn parse(text: &str, name: &str, file: &str) -> Result<Machine, TomlError> {
     let source = TomlSource { file, text };
     let VersionOnly { version } = source.parse()?;
@@ -167,8 +167,8 @@ fn dialect(source: &TomlSource, word: &Spanned<String>) -> Result<Dialect, TomlE
         "siemens-vectors" => Dialect::SiemensVectors,
         "haas" => Dialect::Haas,
         _ => {
-            let what = "not known: allowed is \"linuxcnc\", \"fanuc-g43.4\", \"fanuc-g43.5\", \"heidenhain-tcpm\", \
-                        \"heidenhain-m128\", \"siemens\", \"siemens-vectors\", \"haas\"";
+            let what = "not known: allowed is \"linuxcnc\", \"fanuc-g43.4\", \"fanuc-g43.5\", \
+                        \"heidenhain-tcpm\", \"heidenhain-m128\", \"siemens\", \"siemens-vectors\", \"haas\"";
             return Err(source.value_error(word.span(), what, "whose words the program uses"));
         }
     })
@@ -223,7 +223,8 @@ fn rotary(source: &TomlSource, machine: &RawMachine) -> Result<Option<Rotary>, T
         1 => 1.0,
         -1 => -1.0,
         _ => {
-            let help = "1 for the tool's angle seen from the part (ISO), -1 for the table's own (LinuxCNC's trunnions)";
+            let help =
+                "1 for the tool's angle seen from the part (ISO), -1 for the table's own (LinuxCNC trt)";
             return Err(source.value_error(raw.sign.span(), "not a sign: allowed is 1 or -1", help));
         }
     };

@@ -8,7 +8,8 @@ use crate::machine::kinematics::Angles;
 use crate::machine::profile::Machine;
 use crate::milling::toolpath::Pose;
 
-/// A tip that moves by less stays, and the feed is that of the rotary axes, millimetres: LinuxCNC's own limit.
+/// A tip that moves by less stays, and the feed is that of the rotary axes, millimetres: LinuxCNC's own
+/// limit.
 const STILL: f64 = 1e-7;
 
 /// What one line asks for.
@@ -33,7 +34,8 @@ pub(super) enum FeedMode {
 
 pub(super) struct Controller<'a> {
     pub machine: &'a Machine,
-    /// The program's coordinates of the tip: on the table where the tip is held, else of the joints, from the work offset; millimetres.
+    /// The program's coordinates of the tip: on the table where the tip is held, else of the joints, from the
+    /// work offset; millimetres.
     place: [Option<f64>; 3],
     angles: [Option<f64>; 2],
     vector: Option<Vector3<f64>>,

@@ -1,8 +1,8 @@
 //! Programs read back: from words to poses, by a way of its own.
 //!
-//! The reader knows the words that our programs use, and what they mean to their controller; whatever else it meets it
-//! refuses, with the line. It takes numbers as they stand: a program in inches, with another sign or with a turn
-//! too many is read as the machine would run it, for others to judge.
+//! The reader knows the words that our programs use, and what they mean to their controller; whatever else it
+//! meets it refuses, with the line. It takes numbers as they stand: a program in inches, with another sign or
+//! with a turn too many is read as the machine would run it, for others to judge.
 
 mod controller;
 mod heidenhain;
@@ -26,10 +26,11 @@ pub struct Motion {
     pub from: Pose,
     /// Where it comes to.
     pub pose: Pose,
-    /// Angles of the rotary axes before and after, as commanded, whole turns counted; `None` for three axes and for programs of
-    /// vectors.
+    /// Angles of the rotary axes before and after, as commanded, whole turns counted; `None` for three axes
+    /// and for programs of vectors.
     pub angles: Option<[Angles; 2]>,
-    /// Joint positions of the tip before and after, machine coordinates: what is moved evenly where the tip is not held.
+    /// Joint positions of the tip before and after, machine coordinates: what is moved evenly where the tip
+    /// is not held.
     pub joints: Option<[Point3; 2]>,
     /// Whether the machine goes as fast as it can.
     pub rapid: bool,
@@ -58,8 +59,8 @@ pub struct ReadError {
 /// Every move of a program, in order, from where all coordinates are known.
 ///
 /// # Errors
-/// A word that the machine's dialect does not have or our programs do not use, a line that comes too early (a move without feed or tool length,
-/// say), a program that does not end.
+/// A word that the machine's dialect does not have or our programs do not use, a line that comes too early (a
+/// move without feed or tool length, say), a program that does not end.
 pub fn read(text: &str, machine: &Machine) -> Result<Vec<Motion>, ReadError> {
     match machine.dialect {
         Dialect::LinuxCnc | Dialect::FanucAngles | Dialect::FanucVectors | Dialect::Haas => {

@@ -67,7 +67,8 @@ fn between_poses_the_wall_stays_within_tolerance() {
             for block in &run.blocks {
                 let length = (block.to.tip - from.tip).norm();
                 let mut done = 0.0;
-                // Motions from this pose to the next; links never begin or end within a millimetre of the stock.
+                // Motions from this pose to the next; links never begin or end within a millimetre of the
+                // stock.
                 while (motions[at].from.tip - from.tip).norm() > 2e-3 {
                     at += 1;
                 }

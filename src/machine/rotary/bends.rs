@@ -24,7 +24,8 @@ pub(super) fn distances(stations: &[Station], diameter: f64) -> Vec<f64> {
             direction = Some(step);
         }
     }
-    // A station bends if the path's direction changes by more than a bend within half a diameter on either side.
+    // A station bends if the path's direction changes by more than a bend within half a diameter on either
+    // side.
     let bends: Vec<bool> = (0..stations.len())
         .map(|i| {
             let low = lengths.partition_point(|&length| length < lengths[i] - diameter / 2.0);

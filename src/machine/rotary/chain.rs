@@ -1,8 +1,8 @@
 //! Dynamic programming over branches and whole turns, along all runs at once.
 //!
-//! [`Knot`]s are the stations that are not upright: each has two pairs of angles, and whole turns beyond. Between knots lie *hops*: a
-//! block, an upright stretch, or the way above the stock from run to run. The cost is the time of both rotary axes, one
-//! after the other, and a fixed time for each retreat.
+//! [`Knot`]s are the stations that are not upright: each has two pairs of angles, and whole turns beyond.
+//! Between knots lie *hops*: a block, an upright stretch, or the way above the stock from run to run. The
+//! cost is the time of both rotary axes, one after the other, and a fixed time for each retreat.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,8 @@ use super::{Measure, Station};
 use crate::machine::error::MachineError;
 use crate::machine::kinematics::Angles;
 
-/// What a turn beyond the largest swing costs where a retreat would mark a ligament, minutes: more than any retreat.
+/// What a turn beyond the largest swing costs where a retreat would mark a ligament, minutes: more than any
+/// retreat.
 const SLOW_TURN: f64 = 0.8;
 
 /// States that are kept at each knot: the cheapest ones.
@@ -132,7 +133,8 @@ fn walk(
     Ok(steps)
 }
 
-/// Adds what a retreat leads to that is not reached without one: states keep their places, since retreats point at these.
+/// Adds what a retreat leads to that is not reached without one: states keep their places, since retreats
+/// point at these.
 fn retreat(knot: &Knot, cost: f64, measure: &Measure, states: &mut Vec<State>) {
     for (from, state) in states.clone().iter().enumerate() {
         let angles = knot.angles(state.branch, state.turns);
@@ -299,7 +301,8 @@ fn upright(stations: &mut [Station], turn: f64) {
     }
 }
 
-/// Turns from one angle to the other along an upright stretch; what is too much for a cut by a retreat, if there may be one.
+/// Turns from one angle to the other along an upright stretch; what is too much for a cut by a retreat, if
+/// there may be one.
 fn stand(stations: &mut [Station], [from, to]: [f64; 2], retreat: Option<usize>, measure: &Measure) {
     let change = to - from;
     upright(stations, from);

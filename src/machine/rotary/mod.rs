@@ -1,21 +1,22 @@
 //! From the tool's axes to angles of the rotary axes.
 //!
-//! Every axis is reached by two pairs of angles, and by whole turns of the upper one beyond these. [`solve`] picks, for all
-//! runs at once, the pairs with the least rotary time. Between two poses of a cut the controller turns the *angles* evenly,
-//! the path its axis: blocks are halved until the two differ by at most [`AXIS_TOLERANCE`] over the stock's thickness.
+//! Every axis is reached by two pairs of angles, and by whole turns of the upper one beyond these. [`solve`]
+//! picks, for all runs at once, the pairs with the least rotary time. Between two poses of a cut the
+//! controller turns the *angles* evenly, the path its axis: blocks are halved until the two differ by at most
+//! [`AXIS_TOLERANCE`] over the stock's thickness.
 //!
 //! At the pole (tool upright on a table with C) the upper angle means nothing. What happens there:
-//! - a tool that tilts by less than `upright_below_deg` (and by less than the tolerance over the thickness) is set upright,
-//!   and C held;
+//! - a tool that tilts by less than `upright_below_deg` (and by less than the tolerance over the thickness)
+//!   is set upright, and C held;
 //! - a path straight through the pole goes on with the other sign of the tilt, C held: one of the two pairs;
-//! - what C must turn by before the path leaves the upright is turned there, where it moves nothing, evenly along the
-//!   upright stretch, up to `max_swing_deg`;
-//! - beyond that, and where limits would be run over, the tool retreats along its axis, turns above the stock and comes back to
-//!   the same pose: as far from bends of its path as the run allows, since slits bend at their ends, at the ligaments,
-//!   and never closer to one than the tool's diameter;
+//! - what C must turn by before the path leaves the upright is turned there, where it moves nothing, evenly
+//!   along the upright stretch, up to `max_swing_deg`;
+//! - beyond that, and where limits would be run over, the tool retreats along its axis, turns above the
+//!   stock and comes back to the same pose: as far from bends of its path as the run allows, since slits bend
+//!   at their ends, at the ligaments, and never closer to one than the tool's diameter;
 //! - where an upright stretch lies in a bend altogether C turns along it all the same, in blocks of at most
-//!   `max_swing_deg`, the feed as slow as that takes: better than a mark at a ligament. Where limits leave no such way either,
-//!   the job is refused.
+//!   `max_swing_deg`, the feed as slow as that takes: better than a mark at a ligament. Where limits leave no
+//!   such way either, the job is refused.
 //! - Near the pole, but not at it, C turns fast; blocks are halved until none turns an axis by more than
 //!   `max_swing_deg`, and feed drops to what the axis does.
 
@@ -70,8 +71,8 @@ struct Measure<'a> {
 /// The stations of every run, the start first, with angles.
 ///
 /// # Errors
-/// An axis that points sideways or down, a feed that is none, a tilt that three axes do not have, no way within the
-/// limits.
+/// An axis that points sideways or down, a feed that is none, a tilt that three axes do not have, no way
+/// within the limits.
 pub(super) fn solve(toolpath: &Toolpath, machine: &Machine) -> Result<Vec<Vec<Station>>, MachineError> {
     check(toolpath)?;
     let length = toolpath.thickness + 2.0 * toolpath.radius;
@@ -142,8 +143,8 @@ impl Measure<'_> {
         self.rotary.is_upright(&self.on_table(pose), self.upright)
     }
 
-    /// Largest error between two poses whose angles are turned evenly: of the axis over the length and, in joint coordinates, of
-    /// the tip, both as parts of what is allowed.
+    /// Largest error between two poses whose angles are turned evenly: of the axis over the length and, in
+    /// joint coordinates, of the tip, both as parts of what is allowed.
     fn error(&self, poses: [&Pose; 2], angles: [Angles; 2]) -> f64 {
         let [from, to] = poses;
         let joints = [0, 1].map(|end| self.machine.joints(&poses[end].tip, angles[end]));

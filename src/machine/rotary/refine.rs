@@ -9,7 +9,7 @@ use crate::milling::toolpath::{Kind, Pose, Rate, Toolpath};
 /// Deepest halving of a block: a millionth of it.
 const DEEPEST: usize = 20;
 
-/// The runs' stations, not yet with angles: blocks halved until at least one pair of branches cuts each.
+/// The runs' stations, not yet with angles: blocks halved until either branch leads on.
 pub(super) fn refine(toolpath: &Toolpath, measure: &Measure) -> Vec<Vec<Station>> {
     let refined = |run: &crate::milling::toolpath::Run| {
         let mut stations = vec![station(run.start, Rate::Rapid, Kind::Approach)];
@@ -51,7 +51,8 @@ fn halve(
     halve(measure, [middle, to], rate, kind, depth - 1, stations);
 }
 
-/// Whether some pair of branches cuts the block within the tolerances. An upright end takes on the turn of the other.
+/// Whether the block can be cut within the tolerances from either branch. An upright end takes on the turn of
+/// the other.
 fn fits(measure: &Measure, poses: [&Pose; 2]) -> bool {
     let branches = poses.map(|pose| measure.rotary.branches(&measure.on_table(pose)));
     let held = |turn| Angles { tilt: 0.0, turn };
@@ -59,6 +60,7 @@ fn fits(measure: &Measure, poses: [&Pose; 2]) -> bool {
         [true, true] => measure.error(poses, [held(0.0); 2]) <= 1.0,
         [true, false] => measure.error(poses, [held(branches[1][0].turn), branches[1][0]]) <= 1.0,
         [false, true] => measure.error(poses, [branches[0][0], held(branches[0][0].turn)]) <= 1.0,
-        [false, false] => measure.ways(poses, branches).iter().flatten().any(Option::is_some),
+        // From either branch: in joint coordinates they are not alike, and the path may have come by any.
+        [false, false] => measure.ways(poses, branches).iter().all(|ways| ways.iter().any(Option::is_some)),
     }
 }

@@ -5,9 +5,9 @@ use super::{Measure, Station};
 /// Most blocks that one becomes.
 const MOST: usize = 1 << 16;
 
-/// The stations with what is turned on the spot written out: afterwards angles of arrival and departure differ for a retreat
-/// alone, and no block turns further than the largest swing. For a machine without tool centre point control blocks are divided
-/// until the tip stays on its line.
+/// The stations with what is turned on the spot written out: afterwards angles of arrival and departure
+/// differ for a retreat alone, and no block turns further than the largest swing. For a machine without tool
+/// centre point control blocks are divided until the tip stays on its line.
 pub(super) fn spread(stations: &[Station], measure: &Measure) -> Vec<Station> {
     let mut all: Vec<Station> = Vec::with_capacity(stations.len());
     for station in stations {

@@ -179,6 +179,16 @@ fn limits_make_the_tool_retreat_away_from_bends() {
     assert!(retreats(&solved(&machine, vec![ring(3, 0.07)])[0]).is_empty());
 }
 
+/// Joint coordinates stray by other amounts from either branch: none may be cut off by a block that suits the
+/// other alone.
+#[test]
+fn without_tip_control_both_branches_go_on() {
+    let mut machine = machine("linuxcnc-xyzbc-trt-no-tcp");
+    machine.setup.fixture = nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), 0.14);
+    let rings = (1..6).map(|i| ring(2, 0.03 * f64::from(i))).collect();
+    assert!(solved(&machine, rings).iter().all(|stations| retreats(stations).is_empty()));
+}
+
 /// Runs that each wind the same way are unwound above the stock before the limits are reached.
 #[test]
 fn windings_are_undone_between_runs() {
