@@ -113,6 +113,9 @@ enum Command {
         /// What mills the sheet: a machine's name or file [default: linuxcnc-xyzbc-trt].
         #[arg(long)]
         machine: Option<String>,
+        /// Begin the milling program with this run of setup.txt, as after a broken tool.
+        #[arg(long, value_name = "RUN", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+        from_run: u32,
         #[command(flatten)]
         reporting: Reporting,
     },
@@ -226,9 +229,18 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)
         }
-        Command::Fabricate { design, profile, output, allow_failing_hinges, keys, machine, reporting } => {
-            let keys = (&keys, machine.as_deref());
-            fabricate::run(&design, &profile, &output, allow_failing_hinges, keys, &reporting)
+        Command::Fabricate {
+            design,
+            profile,
+            output,
+            allow_failing_hinges,
+            keys,
+            machine,
+            from_run,
+            reporting,
+        } => {
+            let mill = (machine.as_deref(), from_run as usize - 1);
+            fabricate::run(&design, &profile, &output, allow_failing_hinges, &keys, mill, &reporting)
         }
         Command::Verify { folder, profile, machine, all } => {
             verify::run(&folder, profile.as_deref(), machine.as_deref(), all)

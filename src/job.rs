@@ -14,10 +14,10 @@ use crate::kirigami::bistable::cell::BistableCell;
 use crate::kirigami::cover::{Boundary, PieceSize};
 pub use crate::kirigami::pattern::Opening;
 pub use crate::kirigami::pattern_mesh::Reading;
-use crate::output::dxf::DxfVersion;
-use crate::profile::{Profile, ProfileError};
 use crate::machine::Machine;
 use crate::machine::profile::MachineFileError;
+use crate::output::dxf::DxfVersion;
+use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
 
 mod bistable;

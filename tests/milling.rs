@@ -84,7 +84,8 @@ fn poses(folder: &Path) -> Option<PathBuf> {
 fn check_milled_by_others(folder: &Path) {
     let Some(poses) = poses(folder) else { return };
     let Some(mut oracle) = peers::oracle("milled.py") else { return };
-    let done = oracle.arg(poses).arg(folder.join("out/part.stl")).args(["0.5", "5.0", "0.0"]).output().unwrap();
+    let done =
+        oracle.arg(poses).arg(folder.join("out/part.stl")).args(["0.5", "5.0", "0.0"]).output().unwrap();
     let found: Value = serde_json::from_slice(&done.stdout)
         .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&done.stderr)));
     for height in found["heights"].as_array().unwrap() {
@@ -99,7 +100,11 @@ fn check_milled_by_others(folder: &Path) {
 fn a_bistable_cap_is_milled_on_every_machine() {
     let (folder, done) = made("cap", &job(BISTABLE, "profile = \"nylon-6-5mm\""));
     assert_eq!(done.status, 0, "{}", done.stderr);
-    assert!(done.stdout.contains("milled on linuxcnc-xyzbc-trt, walls along the hinges' axes"), "{}", done.stdout);
+    assert!(
+        done.stdout.contains("milled on linuxcnc-xyzbc-trt, walls along the hinges' axes"),
+        "{}",
+        done.stdout
+    );
     let expected = [
         "design.json",
         "hinges.csv",
@@ -116,17 +121,40 @@ fn a_bistable_cap_is_milled_on_every_machine() {
     ];
     assert_eq!(names(&folder.join("out")), expected);
     let text = std::fs::read_to_string(folder.join("out/hinges.json")).unwrap();
-    let breaches = peers::schema_breaches("milling-schema", "hinges.schema.json", std::slice::from_ref(&text));
+    let breaches =
+        peers::schema_breaches("milling-schema", "hinges.schema.json", std::slice::from_ref(&text));
     assert!(breaches.is_none_or(|found| found.iter().all(Vec::is_empty)));
     let mill = &read(&folder.join("out/hinges.json"))["mill"];
-    assert!(mill["gouge_mm"].as_f64().unwrap() <= 0.01 && mill["leftover_mm"].as_f64().unwrap() <= 0.02, "{mill}");
+    assert!(
+        mill["gouge_mm"].as_f64().unwrap() <= 0.01 && mill["leftover_mm"].as_f64().unwrap() <= 0.02,
+        "{mill}"
+    );
     assert_eq!((&mill["bodies"], &mill["loose_scraps"]), (&1.into(), &0.into()));
     check_milled_by_others(&folder);
     let verified = run(&folder, ["verify", "out"]);
     assert_eq!(verified.status, 0, "{}", verified.stderr);
+    // The rest after a broken tool.
+    let arguments = [
+        "fabricate",
+        "out",
+        "-p",
+        "nylon-6-5mm",
+        "--sheet-mm",
+        "160",
+        "160",
+        "--from-run",
+        "9",
+        "-o",
+        "rest",
+    ];
+    let rest = run(&folder, arguments);
+    assert_eq!(rest.status, 0, "{}", rest.stderr);
+    assert_eq!(read(&folder.join("rest/hinges.json"))["mill"]["first_run"], 8);
+    assert_eq!(run(&folder, ["verify", "rest"]).status, 0);
     for machine in kirimorph::machine::names() {
         let out = format!("out-{machine}");
-        let arguments = ["fabricate", "out", "-p", "nylon-6-5mm", "--machine", &machine, "--sheet-mm", "160", "160"];
+        let arguments =
+            ["fabricate", "out", "-p", "nylon-6-5mm", "--machine", &machine, "--sheet-mm", "160", "160"];
         let done = run(&folder, arguments.into_iter().chain(["-o", &out]));
         assert_eq!(done.status, 0, "{machine}: {}", done.stderr);
         let verified = run(&folder, ["verify", &out]);
@@ -146,6 +174,27 @@ fn rotating_pieces_have_a_pass_for_each_wall_and_copies_their_own_runs() {
     let mill = &read(&folder.join("out/hinges.json"))["mill"];
     assert_eq!(mill["tabs"].as_array().unwrap().len(), 6);
     let verified = run(&folder, ["verify", "out"]);
+    assert_eq!(verified.status, 0, "{}", verified.stderr);
+}
+
+#[test]
+fn the_sample_of_quarter_turns_is_milled() {
+    let folder = peers::fresh_folder("milling-dome");
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let done = run(&folder, ["make", samples.join("nylon-dome.toml").to_str().unwrap(), "-o", "out"]);
+    assert_eq!(done.status, 0, "{}", done.stderr);
+    let report = read(&folder.join("out/hinges.json"));
+    let angle = |hinge: &Value| hinge["angle_deg"].as_f64().unwrap();
+    assert!(
+        report["hinges"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|hinge| hinge["verdict"] != "fail" && angle(hinge) > 80.0)
+    );
+    assert!(report["mill"]["ligament_centre_mm"].as_f64().unwrap() <= 0.005, "{}", report["mill"]);
+    let machine = samples.join("machines/bc-trunnion-wedge.toml");
+    let verified = run(&folder, ["verify", "out", "--machine", machine.to_str().unwrap()]);
     assert_eq!(verified.status, 0, "{}", verified.stderr);
 }
 
@@ -177,9 +226,21 @@ fn faults_of_programs_are_found() {
     let faults: [(&str, String, &str); 7] = [
         ("the tilt's sign", everywhere('B', &|b| -b), "into the part"),
         ("inches", text.replace("G21", "G20"), ""),
-        ("a turn too many", changed(&|i, line| Some(if i == at { word(line, 'C', &|c| c + 360.0) } else { line.into() })), ""),
-        ("a rapid move at depth", changed(&|i, line| Some(if i == at { line.replace("G1 ", "G0 ") } else { line.into() })), "rapid"),
-        ("a missing pass", changed(&|i, line| (!(i > 40 && i < 120 && line.starts_with("G1"))).then(|| line.into())), ""),
+        (
+            "a turn too many",
+            changed(&|i, line| Some(if i == at { word(line, 'C', &|c| c + 360.0) } else { line.into() })),
+            "",
+        ),
+        (
+            "a rapid move at depth",
+            changed(&|i, line| Some(if i == at { line.replace("G1 ", "G0 ") } else { line.into() })),
+            "rapid",
+        ),
+        (
+            "a missing pass",
+            changed(&|i, line| (!(i > 40 && i < 120 && line.starts_with("G1"))).then(|| line.into())),
+            "",
+        ),
         ("the spindle stands", text.replace("M3", "M5"), ""),
         ("another design", text.replace("fnv1a64:", "fnv1a64:0"), "another design"),
     ];
@@ -195,14 +256,21 @@ fn faults_of_programs_are_found() {
 fn what_the_machine_or_the_tool_cannot_do_is_refused_with_numbers() {
     let small = "profile = \"nylon-6-5mm\"\nmachine = \"small.toml\"";
     let (folder, _) = made("refused", &job(BISTABLE, "profile = \"steel-304-0.5mm\""));
-    let machine = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/machines/linuxcnc-xyzbc-trt.toml"));
+    let machine = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/machines/linuxcnc-xyzbc-trt.toml"),
+    );
     let machine = machine.unwrap().replace("x_mm = [-300.0, 300.0]", "x_mm = [-30.0, 30.0]");
     std::fs::write(folder.join("small.toml"), machine).unwrap();
     std::fs::write(folder.join("job.toml"), job(BISTABLE, small)).unwrap();
     let done = run(&folder, ["make", "job.toml", "-o", "small"]);
     assert_eq!(done.status, 2, "{}", done.stderr);
-    assert!(done.stderr.contains("travels from -30 to 30 mm") && !folder.join("small").exists(), "{}", done.stderr);
-    let profile = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/nylon-6-5mm.toml"));
+    assert!(
+        done.stderr.contains("travels from -30 to 30 mm") && !folder.join("small").exists(),
+        "{}",
+        done.stderr
+    );
+    let profile =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/nylon-6-5mm.toml"));
     let short = profile.unwrap().replace("flute_length_mm = 6.0", "flute_length_mm = 5.11");
     std::fs::write(folder.join("short.toml"), short).unwrap();
     std::fs::write(folder.join("job.toml"), job(BISTABLE, "profile = \"short.toml\"")).unwrap();

@@ -10,8 +10,8 @@ use super::results::{Extras, Results, cut_lines, file_names, plan};
 use super::{Failure, events, interrupt, milled, print, solids};
 use crate::fabrication::product::Product;
 use crate::job::{DEFAULT_MACHINE, cut_keys};
-use crate::machine::{self, Machine};
 use crate::kirigami::quality::{Quality, measure_alone};
+use crate::machine::{self, Machine};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
@@ -24,7 +24,8 @@ pub fn run(
     profile: &str,
     folder: &Path,
     allow_failing: bool,
-    (keys, machine): (&CutKeys, Option<&str>),
+    keys: &CutKeys,
+    (machine, first_run): (Option<&str>, usize),
     reporting: &Reporting,
 ) -> Result<(), Failure> {
     let file = design_file(design);
@@ -67,7 +68,7 @@ pub fn run(
         dxf,
         figures: &figures,
     };
-    let milled = milled::milled(&results, machine.as_ref(), &options, &mut clock)?;
+    let milled = milled::milled(&results, machine.as_ref(), &options, first_run, &mut clock)?;
     extras.milled = milled.as_ref().zip(machine.as_ref());
     results.extras = extras;
     results.leave(folder, allow_failing, &mut clock)?;
@@ -91,7 +92,8 @@ fn machine_of(profile: &mut Profile, name: Option<&str>) -> Result<Option<Machin
             ))),
         };
     }
-    let machine = machine::load(name.unwrap_or(DEFAULT_MACHINE), Path::new(".")).map_err(Failure::bad_input)?;
+    let machine =
+        machine::load(name.unwrap_or(DEFAULT_MACHINE), Path::new(".")).map_err(Failure::bad_input)?;
     profile.cut.ruled &= machine.follows_axes();
     Ok(Some(machine))
 }
@@ -148,12 +150,7 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn event(
-    product: &Product,
-    extras: Extras,
-    quality: &Quality,
-    folder: &Path,
-) -> serde_json::Value {
+fn event(product: &Product, extras: Extras, quality: &Quality, folder: &Path) -> serde_json::Value {
     let Extras { solids: thick, plan, milled, .. } = extras;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();

@@ -12,8 +12,8 @@ use crate::fabrication::states::other_name;
 use crate::job::{Job, Kind, read_job};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Fit, Quality};
-use crate::memory;
 use crate::machine::Machine;
+use crate::memory;
 use crate::output::folder::{MILL_FILES, OutputFolder};
 use crate::output::{design_json, hinge_report, partial_json, snap_report};
 use crate::pipeline::mill::Milled;
@@ -51,7 +51,8 @@ pub fn run(
     let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     let snap = snapping(&made, &job, &mut clock);
-    let mut extras = Extras { solids: thick.as_ref(), snap: snap.as_ref(), plan: plan.as_ref(), milled: None };
+    let mut extras =
+        Extras { solids: thick.as_ref(), snap: snap.as_ref(), plan: plan.as_ref(), milled: None };
     let fabrication = &job.fabrication;
     let (target, hashes, shown) = (input.target_name(), source_hashes(&job, job_file), figures(&made));
     let mut results = Results {
@@ -66,7 +67,7 @@ pub fn run(
         dxf: fabrication.dxf,
         figures: &shown,
     };
-    let milled = milled::milled(&results, fabrication.machine.as_ref(), &fabrication.cut, &mut clock)?;
+    let milled = milled::milled(&results, fabrication.machine.as_ref(), &fabrication.cut, 0, &mut clock)?;
     extras.milled = milled.as_ref().zip(fabrication.machine.as_ref());
     results.extras = extras;
     results.leave(&folder, allow_failing, &mut clock)?;
@@ -91,12 +92,7 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 }
 
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(
-    made: &Made,
-    extras: Extras,
-    input: &Input,
-    folder: &Path,
-) -> serde_json::Value {
+fn result_event(made: &Made, extras: Extras, input: &Input, folder: &Path) -> serde_json::Value {
     let Extras { solids: thick, snap, plan, milled } = extras;
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
@@ -211,13 +207,7 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn summary(
-    made: &Made,
-    extras: Extras,
-    input: &Input,
-    folder: &Path,
-    unused_partial: bool,
-) -> String {
+fn summary(made: &Made, extras: Extras, input: &Input, folder: &Path, unused_partial: bool) -> String {
     let Extras { solids: thick, snap, plan, milled } = extras;
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);

@@ -14,7 +14,7 @@ use crate::pipeline::Clock;
 use crate::pipeline::mill::{Milled, Order, mill};
 use crate::profile::Tool;
 
-/// The verified program of a sheet that is milled; `None` of what a laser cuts and of what is no sheet.
+/// The verified program of a sheet that is milled, from one of its runs on (counted from 0); `None` of what a laser cuts and of what is no sheet.
 ///
 /// # Errors
 /// Nothing that the machine can do, or a program that leaves something else than the part.
@@ -22,6 +22,7 @@ pub fn milled(
     results: &Results,
     machine: Option<&Machine>,
     options: &CutOptions,
+    first_run: usize,
     clock: &mut Clock,
 ) -> Result<Option<Milled>, Failure> {
     let (Product::Sheet(sheet), Some(machine)) = (results.product, machine) else { return Ok(None) };
@@ -39,16 +40,10 @@ pub fn milled(
         notes: Vec::new(),
         hash: results.design_hash().map_err(|error| Failure::BadInput(error.to_string()))?,
         spindle_rpm: tool.spindle,
-        first_run: 0,
+        first_run,
     };
-    let order = Order {
-        sheet,
-        part: &solids.part,
-        profile,
-        tool: &tool,
-        copies: &plan.report.copies,
-        machine,
-    };
+    let order =
+        Order { sheet, part: &solids.part, profile, tool: &tool, copies: &plan.report.copies, machine };
     let milled = clock.run("mill", |_| mill(&order, &header));
     milled.map(Some).map_err(|error| Failure::NotMakeable(error.to_string()))
 }
@@ -63,9 +58,11 @@ pub fn object(milled: &Milled, machine: &Machine) -> Value {
     let Figures { gouge, leftover, widths, centre, rapid, shank, moves, cut, bodies, loose } = milled.figures;
     let stats = &milled.program.stats;
     let tabs = milled.planned.tabs.iter();
-    let tabs = tabs.map(|tab| json!({ "at_mm": [tab.at.x, tab.at.y], "reach_mm": tab.reach, "top_mm": tab.top }));
+    let tabs =
+        tabs.map(|tab| json!({ "at_mm": [tab.at.x, tab.at.y], "reach_mm": tab.reach, "top_mm": tab.top }));
     json!({
         "machine": machine.name,
+        "first_run": stats.restarts.first().map_or(0, |first| first.run),
         "files": milled.program.files.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "tabs": tabs.collect::<Vec<_>>(),
         "runs": stats.runs,
@@ -117,33 +114,82 @@ pub fn setup(milled: &Milled, results: &Results, machine: &Machine) -> String {
     let (profile, stats) = (results.profile, &milled.program.stats);
     let Some(tool) = &profile.tool else { return String::new() };
     let path = &milled.planned.path;
-    let deepest = path.runs.iter().flat_map(|run| &run.blocks).map(|block| block.to.tip.z).fold(0.0, f64::min);
+    let deepest =
+        path.runs.iter().flat_map(|run| &run.blocks).map(|block| block.to.tip.z).fold(0.0, f64::min);
     let borders = path.runs.iter().filter(|run| run.contour == Contour::Border).count();
     let files: Vec<&str> = milled.program.files.iter().map(|(name, _)| name.as_str()).collect();
     let [low, high] = stats.bounds;
     let tilt = machine.setup.fixture.angle().to_degrees();
-    let mut text = format!("Set-up sheet: {}, profile {}, machine {}\n\n", results.name, profile.name, machine.name);
+    let mut text =
+        format!("Set-up sheet: {}, profile {}, machine {}\n\n", results.name, profile.name, machine.name);
     let mut row = |label: &str, value: String| text += &format!("{label:<14} {value}\n");
     row("Program", files.join(", "));
     let sheet = &profile.sheet;
-    row("Stock", format!("{}, {} x {} x {} mm", profile.material.name, sheet.width, sheet.height, sheet.thickness));
+    row(
+        "Stock",
+        format!("{}, {} x {} x {} mm", profile.material.name, sheet.width, sheet.height, sheet.thickness),
+    );
     row("Zero", "lower left corner of the stock, on top of it; x along its lower edge".to_owned());
     row("Tool", format!("T{}: {}", machine.setup.tool_number, tool_words(tool, profile.cut.kerf)));
-    row("", format!("{} turns/min clockwise, {} mm/min, down {} mm/min", tool.spindle, tool.feed, tool.plunge));
-    row("Wedge", if tilt > 0.0 { format!("{tilt:.2} degrees under the stock") } else { "none, the stock lies flat".to_owned() });
+    row(
+        "",
+        format!("{} turns/min clockwise, {} mm/min, down {} mm/min", tool.spindle, tool.feed, tool.plunge),
+    );
+    row(
+        "Wedge",
+        if tilt > 0.0 {
+            format!("{tilt:.2} degrees under the stock")
+        } else {
+            "none, the stock lies flat".to_owned()
+        },
+    );
     row("Cuts in", format!("x {:.1} to {:.1}, y {:.1} to {:.1} mm", low.x, high.x, low.y, high.y));
-    row("Spoilboard", format!("the tip goes {:.2} mm below the stock: at least {:.1} mm thick", -deepest - sheet.thickness, 2.0 - deepest - sheet.thickness));
-    row("Workholding", "vacuum or tape over the whole area; no clamp within the cuts and the holder's reach".to_owned());
+    row(
+        "Spoilboard",
+        format!(
+            "the tip goes {:.2} mm below the stock: at least {:.1} mm thick",
+            -deepest - sheet.thickness,
+            2.0 - deepest - sheet.thickness
+        ),
+    );
+    row(
+        "Workholding",
+        "vacuum or tape over the whole area; no clamp within the cuts and the holder's reach".to_owned(),
+    );
     let last = if borders == 1 { "the border".to_owned() } else { format!("{borders} borders") };
     row("Order", format!("{} openings, then {last}", stats.runs - borders));
-    row("Comes loose", match milled.figures.loose {
-        0 => "nothing before the border".to_owned(),
-        count => format!("{count} scraps of windows, before the border: take them out at a stop"),
-    });
-    row("Tabs", format!("{} of {} x {} mm: cut them by hand", milled.planned.tabs.len(), tool.tab_width, tool.tab_height));
-    row("Height", format!("{CLEARANCE} mm above the stock before and after each cut, {} mm between", machine.setup.safe_height));
-    row("Time", format!("{} ({} of it cutting), without acceleration", time(stats.cut_seconds + stats.air_seconds), time(stats.cut_seconds)));
-    text += "\nAfter a broken tool begin again at the run that it broke in:\n";
+    row(
+        "Comes loose",
+        match milled.figures.loose {
+            0 => "nothing before the border".to_owned(),
+            count => format!("{count} scraps of windows, before the border: take them out at a stop"),
+        },
+    );
+    row(
+        "Tabs",
+        format!(
+            "{} of {} x {} mm: cut them by hand",
+            milled.planned.tabs.len(),
+            tool.tab_width,
+            tool.tab_height
+        ),
+    );
+    row(
+        "Height",
+        format!(
+            "{CLEARANCE} mm above the stock before and after each cut, {} mm between",
+            machine.setup.safe_height
+        ),
+    );
+    row(
+        "Time",
+        format!(
+            "{} ({} of it cutting), without acceleration",
+            time(stats.cut_seconds + stats.air_seconds),
+            time(stats.cut_seconds)
+        ),
+    );
+    text += "\nAfter a broken tool begin again at the run that it broke in: kirimorph fabricate . --from-run RUN writes the rest.\n";
     for restart in &stats.restarts {
         let start = path.runs[restart.run].start.tip;
         text += &format!(

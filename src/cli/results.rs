@@ -13,17 +13,17 @@ use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::Quality;
+use crate::machine::Machine;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{
-    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, SHEET_FILES,
-    SNAP_FILES, SOLIDS,
+    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MOVED, OPEN_SHEET_FILES, OutputFolder, PART,
+    SHEET_FILES, SNAP_FILES, SOLIDS,
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
 use crate::output::{hinge_report, snap_report, svg, toolpath_svg};
-use crate::machine::Machine;
 use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
@@ -114,7 +114,9 @@ impl Results<'_> {
                 Ok(out)
             })
             .map_err(refused)?;
-        if let (Product::Sheet(sheet), Some(plan), None) = (self.product, self.extras.plan, self.extras.milled) {
+        if let (Product::Sheet(sheet), Some(plan), None) =
+            (self.product, self.extras.plan, self.extras.milled)
+        {
             let faults =
                 clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
             if !faults.is_empty() {
@@ -222,7 +224,9 @@ impl Results<'_> {
         if let Some((milled, machine)) = self.extras.milled {
             self.write_program(milled, machine, &comments, out)?;
         } else {
-            out.write::<WriteError>("cut.dxf", |file| Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?))?;
+            out.write::<WriteError>("cut.dxf", |file| {
+                Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?)
+            })?;
             out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
         }
         if let Some(solids) = self.extras.solids {

@@ -2,8 +2,8 @@
 
 use super::Failure;
 use crate::fabrication::product::Product;
-use crate::profile::Profile;
 use crate::pipeline::mill::walls;
+use crate::profile::Profile;
 use crate::solid::{ThickSheet, thicken};
 
 /// Overlaps of thick pieces below this are not worth a word, millimetres.

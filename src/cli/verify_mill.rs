@@ -24,6 +24,8 @@ use crate::profile::Profile;
 #[derive(Debug, Deserialize)]
 pub struct Told {
     machine: String,
+    #[serde(default)]
+    first_run: usize,
     files: Vec<String>,
     tabs: Vec<ToldTab>,
 }
@@ -57,7 +59,8 @@ pub fn run(
 ) -> Result<(), Failure> {
     let profile = sheet.profile;
     let Some(tool) = &profile.tool else {
-        let says = "is not for milling, but the folder holds a milling program: name the right one with --profile";
+        let says =
+            "is not for milling, but the folder holds a milling program: name the right one with --profile";
         return Err(Failure::BadInput(format!("the profile {} {says}", profile.name)));
     };
     let machine = machine::load(machine.unwrap_or(&told.machine), Path::new(".")).map_err(|error| {
@@ -67,9 +70,16 @@ pub fn run(
     for name in &told.files {
         // A name from a file is no path.
         let plain = Path::new(name).file_name().is_some_and(|plain| plain.to_str() == Some(name));
-        let text = if plain { fs::read_to_string(folder.join(name)) } else { Err(std::io::ErrorKind::InvalidInput.into()) };
+        let text = if plain {
+            fs::read_to_string(folder.join(name))
+        } else {
+            Err(std::io::ErrorKind::InvalidInput.into())
+        };
         let text = text.map_err(|error| {
-            Failure::BadInput(format!("{} cannot be read: {error}; make the files again", folder.join(name).display()))
+            Failure::BadInput(format!(
+                "{} cannot be read: {error}; make the files again",
+                folder.join(name).display()
+            ))
         })?;
         if !text.contains(sheet.hash) {
             return Err(Failure::NotMakeable(format!(
@@ -96,9 +106,15 @@ pub fn run(
         tool,
         tabs: &tabs,
     };
-    let (figures, findings) =
-        measure(&files, &machine, &wanted).map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
-    print(&format!("{}: {} on {}\n{}", folder.display(), told.files.join(", "), machine.name, table(&figures)));
+    let (figures, findings) = measure(&files, told.first_run, &machine, &wanted)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
+    print(&format!(
+        "{}: {} on {}\n{}",
+        folder.display(),
+        told.files.join(", "),
+        machine.name,
+        table(&figures)
+    ));
     match findings.len() {
         0 => Ok(()),
         count => Err(Failure::NotMakeable(format!(
@@ -113,7 +129,8 @@ pub fn run(
 /// The finished part that the folder holds.
 fn part(folder: &Path) -> Result<TriMesh, Failure> {
     let file = folder.join(PART);
-    let bad = |reason: String| Failure::BadInput(format!("{}: {reason}; make the files again", file.display()));
+    let bad =
+        |reason: String| Failure::BadInput(format!("{}: {reason}; make the files again", file.display()));
     let bytes = fs::read(&file).map_err(|error| bad(error.to_string()))?;
     let mesh = parse_mesh(&bytes, MeshFormat::Stl).map_err(|error| bad(error.to_string()))?;
     let faces = mesh.faces.iter().filter_map(|face| <[usize; 3]>::try_from(face.as_slice()).ok()).collect();
@@ -132,7 +149,14 @@ fn necks(sheet: &Sheet, follows: bool) -> Vec<Neck> {
         let lean = if follows { Vec2::new(hinge.axis.x, hinge.axis.y) / hinge.axis.z } else { Vec2::ZERO };
         let pole = lengths.get(id).map_or(0.0, |&length| pole_offset(profile, length, hinge.angle));
         let at = Point::new(hinge.point.x, hinge.point.y);
-        Neck { id, at, lean, width: profile.ligament.width, beside: if closed { pole.abs() } else { 0.0 }, told }
+        Neck {
+            id,
+            at,
+            lean,
+            width: profile.ligament.width,
+            beside: if closed { pole.abs() } else { 0.0 },
+            told,
+        }
     };
     (0..design.hinges.len()).flat_map(|id| copies.iter().map(move |by| neck(id).moved(*by))).collect()
 }

@@ -11,8 +11,8 @@ use super::cut::cut_options;
 use super::guide::{RawGuide, guides};
 use super::solver::{RawSolver, solver};
 use super::{
-    Boundary, Cuts, DEFAULT_MACHINE, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern, PatternFile,
-    PieceSize, Reading, Shape, Target, Units,
+    Boundary, Cuts, DEFAULT_MACHINE, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern,
+    PatternFile, PieceSize, Reading, Shape, Target, Units,
 };
 use crate::machine::profile::MachineFileError;
 use crate::machine::{self, Machine};
@@ -351,7 +351,9 @@ fn machine(
         (None, Process::Laser) => Ok(None),
         (Some(name), Process::Laser) => {
             let what = format!("not for the profile {}, which is for a laser", profile.name);
-            Err(source.value_error(name.span(), &what, "leave the key out, or take a profile for milling").into())
+            Err(source
+                .value_error(name.span(), &what, "leave the key out, or take a profile for milling")
+                .into())
         }
         (None, Process::Milling) => machine::load(DEFAULT_MACHINE, folder).map(Some).map_err(faulty),
         (Some(name), Process::Milling) => match machine::load(name.get_ref(), folder) {

@@ -137,7 +137,10 @@ fn keys_left_out_have_their_documented_defaults() {
     let profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
     assert_eq!(job.pattern.gap, profile.hinge_gap());
     assert_eq!(job.solver, Solver::default());
-    assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000, cut: CutOptions::default(), machine: None });
+    assert_eq!(
+        job.fabrication,
+        Fabrication { profile, dxf: DxfVersion::R2000, cut: CutOptions::default(), machine: None }
+    );
     // No other key may be left out; pieces has piece_mm in its place.
     for key in ["open", "closed", "kind", "profile", "pieces"] {
         let found = folder.diagnostic(&with(key, ""));

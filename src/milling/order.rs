@@ -78,7 +78,8 @@ impl Search<'_> {
             }
             let (f, t) = (from as isize, to as isize);
             let before = self.step(f - 1, f) + self.step(t, t + 1);
-            let after = self.step(f - 1, t) + if to + 1 < self.order.len() { self.step(f, t + 1) } else { 0.0 };
+            let after =
+                self.step(f - 1, t) + if to + 1 < self.order.len() { self.step(f, t + 1) } else { 0.0 };
             if after < before - GAIN {
                 self.order[from..=to].reverse();
                 self.place(from, to);

@@ -137,10 +137,14 @@ impl Work<'_> {
         let own = 0.5 * self.tool.tab_width + 2.0 * radius + self.climb();
         let meeting = meeting.map(|(node, _)| (node.at, 2.0 * radius));
         let [from, to] = ramp;
-        let entry = (0..=8).map(|i| (track.at(from + (to - from) * f64::from(i) / 8.0).at, 0.13 * (to - from)));
+        let entry =
+            (0..=8).map(|i| (track.at(from + (to - from) * f64::from(i) / 8.0).at, 0.13 * (to - from)));
         let clear = track.clear(&Avoid::new(self.hinges, radius, meeting.chain(entry)));
-        let room: Vec<[f64; 2]> =
-            clear.into_iter().map(|[from, to]| [from + own, to - own]).filter(|[from, to]| from <= to).collect();
+        let room: Vec<[f64; 2]> = clear
+            .into_iter()
+            .map(|[from, to]| [from + own, to - own])
+            .filter(|[from, to]| from <= to)
+            .collect();
         let (length, count) = (track.length(), self.tool.tabs);
         let mut tabs: Vec<f64> = Vec::new();
         for k in 0..count {
@@ -196,7 +200,8 @@ impl Work<'_> {
             lap += around;
             self.level(track, [from, from + around], deepest, tabs, (feed, Kind::Finish), &mut blocks);
         }
-        let last = self.pose(&track.at(to), 0.0).lifted((self.strokes.radius * tilt + CLEARANCE) / start.axis.z);
+        let last =
+            self.pose(&track.at(to), 0.0).lifted((self.strokes.radius * tilt + CLEARANCE) / start.axis.z);
         blocks.push(Block { to: last, rate: feed, kind: Kind::Retract });
         Run { contour, start: above, blocks }
     }
@@ -240,12 +245,14 @@ impl Work<'_> {
         let length = track.length();
         if way > 0.0 {
             let bends = tabs.iter().flat_map(|tab| [-flat - way, -flat, flat, flat + way].map(|by| tab + by));
-            let turns = bends.flat_map(|at| (-1..=(to / length) as i64 + 1).map(move |turn| at + turn as f64 * length));
+            let turns = bends
+                .flat_map(|at| (-1..=(to / length) as i64 + 1).map(move |turn| at + turn as f64 * length));
             stations.extend(turns.filter(|&at| at > from && at < to).map(|at| track.at(at)));
             stations.sort_by(|a, b| a.along.total_cmp(&b.along));
         }
         for station in stations {
-            let near = tabs.iter().map(|&tab| apart(tab, station.along, length)).fold(f64::INFINITY, f64::min);
+            let near =
+                tabs.iter().map(|&tab| apart(tab, station.along, length)).fold(f64::INFINITY, f64::min);
             let floor = top - (near - flat).max(0.0) * TAB_SLOPE.tan();
             let height = depth.max(floor);
             let to = self.pose(&station, height);

@@ -1,7 +1,5 @@
 //! Sheets milled in simulation, and programs with faults that it must find.
 
-use std::time::Instant;
-
 use nalgebra::{Unit, Vector3};
 
 use super::path::{Planned, Work, path};
@@ -10,10 +8,8 @@ use super::sweep::{Figures, Move, Neck, Wanted, inspect, of_path};
 use super::toolpath::{Kind, Pose, Rate};
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::test_sheet::{TestSheet, cut_open};
-use crate::kirigami::design::Design;
 use crate::geometry::mesh::TriMesh;
-use crate::fabrication::product::{Product, produce};
-use crate::output::design_json;
+use crate::kirigami::design::Design;
 use crate::profile;
 use crate::solid::strokes::Strokes;
 use crate::solid::{Walls, thicken};
@@ -97,9 +93,16 @@ fn lattices_are_milled_within_the_limits_closed_and_open() {
     for design in [alike.clone(), lattice(0.08), cut_open(alike)] {
         let milled = milled(&design);
         let (figures, findings) = milled.inspected(&milled.moves(), 0.5);
-        assert!(findings.is_empty(), "{figures:?} {:?}", findings.iter().map(ToString::to_string).collect::<Vec<_>>());
+        assert!(
+            findings.is_empty(),
+            "{figures:?} {:?}",
+            findings.iter().map(ToString::to_string).collect::<Vec<_>>()
+        );
         assert!(figures.gouge < 0.007 && figures.leftover < 0.007, "{figures:?}");
-        assert!((figures.widths[0] - 0.5).abs() < 0.01 && (figures.widths[1] - 0.5).abs() < 0.01, "{figures:?}");
+        assert!(
+            (figures.widths[0] - 0.5).abs() < 0.01 && (figures.widths[1] - 0.5).abs() < 0.01,
+            "{figures:?}"
+        );
         assert!(figures.centre < 0.005 && figures.bodies == 1, "{figures:?}");
         assert_eq!(milled.planned.tabs.len(), milled.tool.tabs);
         // Every groove at least twice at every depth.
@@ -210,76 +213,4 @@ fn missing_passes_are_found_and_so_is_a_border_that_is_cut_first() {
     // Tabs that are not declared are leftover.
     let bare = Milled { planned: Planned { tabs: Vec::new(), ..milled.planned.clone() }, ..milled };
     assert!(found(&bare.troubles(&bare.moves()), Trouble::Leftover) > 0.4);
-}
-
-#[test]
-#[ignore]
-fn probe() {
-    let file = std::env::var("PROBE").unwrap();
-    let design = design_json::parse(&std::fs::read(file).unwrap()).unwrap();
-    let name = std::env::var("PROFILE").unwrap_or("nylon-6-5mm".into());
-    let profile = profile::load(&name, std::path::Path::new(".")).unwrap();
-    let clock = Instant::now();
-    let Product::Sheet(sheet) = produce(&design, &profile).unwrap() else { panic!() };
-    eprintln!("fabricated {:?}", clock.elapsed());
-    let t = profile.sheet.thickness;
-    let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf);
-    eprintln!("strokes {:?}: {} nodes {} edges", clock.elapsed(), strokes.nodes.len(), strokes.edges.len());
-    let part = thicken(&sheet, t, Walls::Ruled).unwrap().part;
-    eprintln!("part {:?}: {} points", clock.elapsed(), part.vertices.len());
-    let necks: Vec<Neck> = sheet.hinges.iter().map(|row| Neck::new(row, false)).collect();
-    let tool = profile.tool.unwrap();
-    let work = Work { strokes: &strokes, hinges: &sheet.hinges, tool: &tool, thickness: t };
-    let planned = path(&work, &|a, b| (a.tip - b.tip).norm()).unwrap();
-    let blocks: usize = planned.path.runs.iter().map(|run| run.blocks.len()).sum();
-    eprintln!("path {:?}: {} runs, {blocks} blocks, {} tabs", clock.elapsed(), planned.path.runs.len(), planned.tabs.len());
-    let moves = of_path(&planned.path, tool.spindle);
-    let wanted = Wanted {
-        part: &part,
-        necks: &necks,
-        stock: sheet.layout.sheet,
-        thickness: t,
-        radius: 0.5 * sheet.layout.kerf,
-        tool: &tool,
-        tabs: &planned.tabs,
-    };
-    if let Ok(file) = std::env::var("SVG") {
-        let picture = crate::output::toolpath_svg::Picture {
-            planned: &planned,
-            stock: sheet.layout.sheet,
-            notes: &["a note <of> mine".to_owned()],
-        };
-        crate::output::toolpath_svg::write(&picture, std::fs::File::create(file).unwrap()).unwrap();
-    }
-    let (figures, findings) = inspect(&moves, &wanted);
-    eprintln!("inspected {:?}\n{figures:#?}\n{} findings", clock.elapsed(), findings.len());
-    for finding in findings.iter().take(30) {
-        eprintln!("{finding}");
-    }
-    let machine = std::env::var("MACHINE").unwrap_or("linuxcnc-xyzbc-trt".into());
-    let machine = crate::machine::load(&machine, std::path::Path::new(".")).unwrap();
-    let header = crate::machine::Header { spindle_rpm: tool.spindle, ..Default::default() };
-    let milled = {
-        let order = crate::pipeline::mill::Order {
-            sheet: &sheet,
-            part: &part,
-            profile: &profile,
-            tool: &tool,
-            copies: &[kurbo::Vec2::ZERO],
-            machine: &machine,
-        };
-        crate::pipeline::mill::mill(&order, &header)
-    };
-    eprintln!("milled {:?}", clock.elapsed());
-    match milled {
-        Ok(milled) => {
-            for (name, text) in &milled.program.files {
-                eprintln!("{name}: {} bytes, {} lines", text.len(), text.lines().count());
-                std::fs::write(format!("/tmp/m2/{name}"), text).unwrap();
-            }
-            let stats = crate::machine::Stats { restarts: Vec::new(), ..milled.program.stats };
-            eprintln!("{stats:#?}\n{:#?}", milled.figures);
-        }
-        Err(error) => eprintln!("{error}"),
-    }
 }

@@ -44,7 +44,10 @@ pub fn write<W: Write>(picture: &Picture, mut out: W) -> io::Result<()> {
         height + foot
     )?;
     writeln!(out, "<rect x=\"{x0:.2}\" y=\"{:.2}\" width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>", -y1)?;
-    writeln!(out, "<g transform=\"scale(1,-1)\" fill=\"none\" stroke-linejoin=\"round\" stroke-width=\"{LINE}\">")?;
+    writeln!(
+        out,
+        "<g transform=\"scale(1,-1)\" fill=\"none\" stroke-linejoin=\"round\" stroke-width=\"{LINE}\">"
+    )?;
     let runs = &planned.path.runs;
     links(runs, &mut out)?;
     let deepest = runs.iter().flat_map(|run| &run.blocks).map(|block| block.to.tip.z).fold(-1e-9, f64::min);
@@ -150,7 +153,11 @@ fn ramps(run: &Run, out: &mut impl Write) -> io::Result<()> {
         }
     }
     let start = run.start.tip;
-    writeln!(out, "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"0.4\" fill=\"#ff7a00\" stroke=\"none\"/>", start.x, start.y)
+    writeln!(
+        out,
+        "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"0.4\" fill=\"#ff7a00\" stroke=\"none\"/>",
+        start.x, start.y
+    )
 }
 
 /// The tool's axis through the sheet, drawn longer than it is.

@@ -89,7 +89,8 @@ pub fn mill(order: &Order, header: &Header) -> Result<Milled, MillError> {
     let Order { sheet, part, profile, tool, copies, machine } = *order;
     let planned = plan(sheet, profile, tool, machine)?.copied(copies);
     let program = machine::post(&planned.path, machine, header)?;
-    let necks: Vec<Neck> = sheet.hinges.iter().map(|row| Neck::new(row, walls(profile) == Walls::Vertical)).collect();
+    let necks: Vec<Neck> =
+        sheet.hinges.iter().map(|row| Neck::new(row, walls(profile) == Walls::Vertical)).collect();
     let wanted = Wanted {
         part: &copied(part, copies),
         necks: &necks.iter().flat_map(|neck| copies.iter().map(|by| neck.moved(*by))).collect::<Vec<_>>(),
@@ -99,7 +100,7 @@ pub fn mill(order: &Order, header: &Header) -> Result<Milled, MillError> {
         tool,
         tabs: &planned.tabs,
     };
-    let (figures, findings) = measure(&program.files, machine, &wanted)?;
+    let (figures, findings) = measure(&program.files, header.first_run, machine, &wanted)?;
     if !findings.is_empty() {
         return Err(MillError::Unsafe(findings));
     }
@@ -139,7 +140,8 @@ fn air(machine: &Machine, a: &Pose, b: &Pose) -> f64 {
         let way = (b - a).rem_euclid(std::f64::consts::TAU);
         way.min(std::f64::consts::TAU - way)
     };
-    let upright = |pose: &Pose| rotary.is_upright(&(machine.setup.fixture * pose.axis.as_ref()), rotary.upright);
+    let upright =
+        |pose: &Pose| rotary.is_upright(&(machine.setup.fixture * pose.axis.as_ref()), rotary.upright);
     let mut least = f64::INFINITY;
     for from in angles(a.axis.as_ref()) {
         for to in angles(b.axis.as_ref()) {
@@ -151,12 +153,14 @@ fn air(machine: &Machine, a: &Pose, b: &Pose) -> f64 {
     linear.max(least)
 }
 
-/// Reads a program back and measures what it leaves.
+/// Reads a program back and measures what it leaves. One that begins at a later run than the first is to leave what that run
+/// found: only what it does is judged, not what it leaves.
 ///
 /// # Errors
 /// A file that the reader refuses.
 pub fn measure(
     files: &[(String, String)],
+    first_run: usize,
     machine: &Machine,
     wanted: &Wanted,
 ) -> Result<(Figures, Vec<Finding>), MillError> {
@@ -165,7 +169,11 @@ pub fn measure(
         let motions = machine::read(text, machine).map_err(|error| MillError::Read(name.clone(), error))?;
         moves.extend(motions.iter().flat_map(|motion| looked_at(motion, machine)));
     }
-    Ok(inspect(&moves, wanted))
+    let (figures, mut findings) = inspect(&moves, wanted);
+    if first_run > 0 {
+        findings.retain(|finding| finding.trouble.is_of_a_move());
+    }
+    Ok((figures, findings))
 }
 
 /// A move of a program as moves of a tool that turns evenly.
@@ -174,7 +182,8 @@ fn looked_at(motion: &Motion, machine: &Machine) -> Vec<Move> {
     let looks = (turned / LOOK).ceil().clamp(1.0, 1e4) as usize;
     let length = (motion.pose.tip - motion.from.tip).norm();
     // Where the tip is not held the feed is that of the axes: the tip's is its way by the time.
-    let feed = if motion.tcp || motion.angles.is_none() { motion.feed } else { 60.0 * length / motion.seconds };
+    let feed =
+        if motion.tcp || motion.angles.is_none() { motion.feed } else { 60.0 * length / motion.seconds };
     let rate = if motion.rapid { Rate::Rapid } else { Rate::Feed(feed) };
     let at = |look: usize| match look {
         0 => motion.from,

@@ -14,8 +14,8 @@ pub use load::{ProfileError, load, names};
 pub use machine::Machine;
 pub use read::parse;
 pub(crate) use read::{KERF, SHEET_SIDE};
-pub use tool::Tool;
 pub(crate) use tool::TOOL_RADIUS;
+pub use tool::Tool;
 
 /// A checked profile: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]

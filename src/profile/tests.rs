@@ -99,7 +99,10 @@ fn a_milled_groove_is_as_wide_as_its_tool_and_ends_in_the_notch() {
     let profile = read(&nylon()).unwrap();
     assert_eq!(profile.process, Process::Milling);
     // 300 mm/min in ten passes of 0.5 mm and one more at full depth, each there and back.
-    assert_eq!(profile.cut, Cut { kerf: 1.0, min_web: 0.5, speed: 5.0 / 22.0, ruled: true, heat_affected: None });
+    assert_eq!(
+        profile.cut,
+        Cut { kerf: 1.0, min_web: 0.5, speed: 5.0 / 22.0, ruled: true, heat_affected: None }
+    );
     assert_eq!((profile.hinge_gap(), profile.ligament_lengths()), (1.5, [1.0, 1.0]));
     assert_eq!(profile.material.conditioned_modulus, Some(1500.0));
     let longer = read(&with(&nylon(), "ligament.extra_length_mm", "1.0")).unwrap();

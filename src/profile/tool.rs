@@ -25,7 +25,8 @@ const SPINDLE: Limits = Limits::new(100.0, 200_000.0, "rpm", "air bearings end a
 const FLUTES: Limits = Limits::new(1.0, 12.0, "", "cutting edges of an end mill");
 const CHIP_LOAD: Limits =
     Limits::new(0.0005, 1.0, "mm", "a tooth takes microns of steel to some tenths of plastic");
-const RAMP: Limits = Limits::new(0.1, 45.0, "degrees", "the slope at which the tool goes down along a groove");
+const RAMP: Limits =
+    Limits::new(0.1, 45.0, "degrees", "the slope at which the tool goes down along a groove");
 const FLUTE_LENGTH: Limits = Limits::new(0.1, 200.0, "mm", "the cutting edges' length from the tip");
 const DIAMETER: Limits = Limits::new(0.1, 300.0, "mm", "of what follows the cutting edges");
 const STICKOUT: Limits = Limits::new(0.5, 500.0, "mm", "from the tip to the holder's face");

@@ -70,7 +70,8 @@ impl<'a> Rulings<'a> {
             self.divide(whole, &mut sides);
         }
         let count = sides.len();
-        let met: Vec<(Point, Vec2)> = (0..count).map(|i| met(&sides[(i + count - 1) % count], &sides[i])).collect();
+        let met: Vec<(Point, Vec2)> =
+            (0..count).map(|i| met(&sides[(i + count - 1) % count], &sides[i])).collect();
         self.fine(&met)
     }
 

@@ -229,7 +229,8 @@ impl Builder {
             // The ends as they are: rounding must not part them from their neighbours.
             let point = if at == length { b } else { a + at / length.max(f64::MIN_POSITIVE) * (b - a) };
             let node = self.node(point);
-            let wanted = holds.iter().filter(|hold| at > hold.from - 20.0 * SAME && at < hold.to + 20.0 * SAME);
+            let wanted =
+                holds.iter().filter(|hold| at > hold.from - 20.0 * SAME && at < hold.to + 20.0 * SAME);
             self.wishes[node].extend(wanted.map(|hold| (hold.distance, hold.lean)));
             if let Some(last) = last.filter(|&last| last != node) {
                 let key = [last.min(node), last.max(node)];
@@ -246,7 +247,9 @@ impl Builder {
         let cell = [point.x, point.y].map(|c| (c / (4.0 * SAME)).floor() as i64);
         for near in [-1, 0, 1].into_iter().flat_map(|i| [-1, 0, 1].map(|j| [cell[0] + i, cell[1] + j])) {
             let found = self.cells.get(&near).into_iter().flatten();
-            if let Some(&node) = found.into_iter().find(|&&node| self.nodes[node].distance(point) <= 2.0 * SAME) {
+            if let Some(&node) =
+                found.into_iter().find(|&&node| self.nodes[node].distance(point) <= 2.0 * SAME)
+            {
                 return node;
             }
         }
@@ -267,4 +270,3 @@ fn wished(wishes: &[(f64, Vec2)]) -> Option<Vec2> {
         .fold((Vec2::ZERO, 0.0), |(sum, count), wish| (sum + wish.1, count + 1.0));
     Some(sum / count)
 }
-

@@ -44,7 +44,7 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
             && contains(&bodies[body][0], [point.x, point.y])
             && !bodies[body][1..].iter().any(|hole| contains(hole, [point.x, point.y]))
     };
-        let mut with_part = vec![false; bodies.len()];
+    let mut with_part = vec![false; bodies.len()];
     for point in wanted.necks.iter().map(|neck| neck.at) {
         if let Some(body) = (0..bodies.len()).find(|&body| holds(body, point)) {
             with_part[body] = true;
@@ -66,7 +66,8 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
 /// The first of the sections whose tool runs along the part's outer contour away from its hinges and grooves: the
 /// last stretch of moves that all lie outside of the part's outer contour.
 fn border_begins(all: &[Section], wanted: &Wanted) -> usize {
-    let (mut low, mut high) = (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
+    let (mut low, mut high) =
+        (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
     for corner in &wanted.part.vertices {
         low = Point::new(low.x.min(corner.x), low.y.min(corner.y));
         high = Point::new(high.x.max(corner.x), high.y.max(corner.y));

@@ -29,6 +29,13 @@ pub enum Trouble {
     Body,
 }
 
+impl Trouble {
+    /// Whether a move is to blame by itself, and not what all moves together leave.
+    pub fn is_of_a_move(self) -> bool {
+        !matches!(self, Self::Leftover | Self::NeckWidth | Self::NeckCentre | Self::Body)
+    }
+}
+
 /// One thing that is wrong, and where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
@@ -53,9 +60,14 @@ impl fmt::Display for Finding {
         let step = step.map_or(String::new(), |step| format!(" (move {step})"));
         let place = format!("at ({:.2}, {:.2}, {:.2}) mm{step}", at.x, at.y, at.z);
         match trouble {
-            Trouble::Gouge => write!(f, "the tool cuts {value:.3} mm into the part {place}, the limit is {limit} mm"),
+            Trouble::Gouge => {
+                write!(f, "the tool cuts {value:.3} mm into the part {place}, the limit is {limit} mm")
+            }
             Trouble::Leftover => {
-                write!(f, "{value:.3} mm of material is left on the part's wall {place}, the limit is {limit} mm")
+                write!(
+                    f,
+                    "{value:.3} mm of material is left on the part's wall {place}, the limit is {limit} mm"
+                )
             }
             Trouble::NeckWidth => write!(
                 f,
@@ -66,7 +78,10 @@ impl fmt::Display for Finding {
                 "{hinge}the ligament's centre is {value:.3} mm off the hinge's axis {place}, the limit is {limit} mm"
             ),
             Trouble::Rapid => {
-                write!(f, "a rapid move comes within {value:.3} mm of the stock {place}, the limit is {limit} mm")
+                write!(
+                    f,
+                    "a rapid move comes within {value:.3} mm of the stock {place}, the limit is {limit} mm"
+                )
             }
             Trouble::Shank => write!(
                 f,
@@ -74,12 +89,18 @@ impl fmt::Display for Finding {
                  edges"
             ),
             Trouble::Spindle => {
-                write!(f, "the spindle turns {value:.0} times a minute in the cut {place}, the profile says {limit:.0}")
+                write!(
+                    f,
+                    "the spindle turns {value:.0} times a minute in the cut {place}, the profile says {limit:.0}"
+                )
             }
             Trouble::Feed => write!(f, "the feed is {value:.0} mm/min {place}, the limit is {limit:.0}"),
             Trouble::Jump => write!(f, "the tool turns or jumps by {value:.3} {place}, the limit is {limit}"),
             Trouble::Body => {
-                write!(f, "{value:.0} pieces of the part come loose before the border is cut, one of them {place}")
+                write!(
+                    f,
+                    "{value:.0} pieces of the part come loose before the border is cut, one of them {place}"
+                )
             }
         }
     }

@@ -154,7 +154,9 @@ pub fn inspect(moves: &[Move], wanted: &Wanted) -> (Figures, Vec<Finding>) {
         let [gouge, leftover] = [&slice.gouge, &slice.leftover].map(|worst| worst.value);
         figures.gouge = figures.gouge.max(gouge);
         figures.leftover = figures.leftover.max(leftover);
-        findings.extend((gouge > GOUGE_LIMIT).then(|| slice.gouge.finding(Trouble::Gouge, slice.height, GOUGE_LIMIT)));
+        findings.extend(
+            (gouge > GOUGE_LIMIT).then(|| slice.gouge.finding(Trouble::Gouge, slice.height, GOUGE_LIMIT)),
+        );
         let left = || slice.leftover.finding(Trouble::Leftover, slice.height, LEFTOVER_LIMIT);
         findings.extend((leftover > LEFTOVER_LIMIT).then(left));
         for neck in &slice.necks {

@@ -76,8 +76,11 @@ fn heights(step: usize, a_move: &Move, wanted: &Wanted, all: &mut Moves) {
     let findings = &mut all.findings;
     let lowest = lowest(a_move, 0.0, wanted.radius);
     let at = if a_move.to.tip.z < a_move.from.tip.z { a_move.to.tip } else { a_move.from.tip };
-    let shank = self::lowest(a_move, tool.flute_length, tool.shank_radius)
-        .min(self::lowest(a_move, tool.stickout, tool.holder_radius));
+    let shank = self::lowest(a_move, tool.flute_length, tool.shank_radius).min(self::lowest(
+        a_move,
+        tool.stickout,
+        tool.holder_radius,
+    ));
     all.shank = all.shank.min(shank);
     tell(findings, Trouble::Shank, at, -shank, -SHANK_LIMIT, step);
     let way = a_move.to.tip - a_move.from.tip;
@@ -85,7 +88,14 @@ fn heights(step: usize, a_move: &Move, wanted: &Wanted, all: &mut Moves) {
         all.rapid = all.rapid.min(lowest);
         if lowest < RAPID_LIMIT - PLAY {
             let limit = RAPID_LIMIT;
-            findings.push(Finding { trouble: Trouble::Rapid, at, value: lowest, limit, hinge: None, step: Some(step) });
+            findings.push(Finding {
+                trouble: Trouble::Rapid,
+                at,
+                value: lowest,
+                limit,
+                hinge: None,
+                step: Some(step),
+            });
         }
         return;
     };
@@ -102,7 +112,14 @@ fn heights(step: usize, a_move: &Move, wanted: &Wanted, all: &mut Moves) {
     let limit = if steep { tool.plunge.max(1.0) } else { tool.feed };
     tell(findings, Trouble::Feed, at, feed, limit * (1.0 + RATE_PLAY), step);
     if feed <= 0.0 || feed.is_nan() {
-        findings.push(Finding { trouble: Trouble::Feed, at, value: feed, limit, hinge: None, step: Some(step) });
+        findings.push(Finding {
+            trouble: Trouble::Feed,
+            at,
+            value: feed,
+            limit,
+            hinge: None,
+            step: Some(step),
+        });
     }
     tell(findings, Trouble::Jump, at, a_move.from.axis.angle(&a_move.to.axis), SWING_LIMIT, step);
 }

@@ -133,7 +133,8 @@ fn walls(part: &TriMesh, height: f64) -> Vec<[Point; 2]> {
 }
 
 fn tree(lines: impl Iterator<Item = [Point; 2]>) -> Lines {
-    let line = |(index, [a, b]): (usize, [Point; 2])| GeomWithData::new(Line::new([a.x, a.y], [b.x, b.y]), index);
+    let line =
+        |(index, [a, b]): (usize, [Point; 2])| GeomWithData::new(Line::new([a.x, a.y], [b.x, b.y]), index);
     RTree::bulk_load(lines.enumerate().map(line).collect())
 }
 
@@ -205,7 +206,8 @@ fn leftover(
             if tabs.iter().any(|tab| tab.at.distance(point) < tab.reach) {
                 continue;
             }
-            let Some(section) = grooves.nearest_neighbor(&[point.x, point.y]).map(|line| sections[line.data]) else {
+            let Some(section) = grooves.nearest_neighbor(&[point.x, point.y]).map(|line| sections[line.data])
+            else {
                 worst.take(f64::INFINITY, point, None);
                 continue;
             };
@@ -236,10 +238,10 @@ fn found(
         (length - reach(radius, section.lean, way / length.max(f64::MIN_POSITIVE)), way)
     };
     let nearest = near.iter().map(|section| free(section, section.ends));
-    let Some((first, way)) = nearest.min_by(|a, b| order(a, b)) else { return nothing };
+    let Some((first, way)) = nearest.min_by(order) else { return nothing };
     let axis = -way.normalize();
     let beyond = near.iter().filter_map(|section| Some(free(section, in_cone(section.ends, at, axis)?)));
-    let Some((second, _)) = beyond.min_by(|a, b| order(a, b)) else { return nothing };
+    let Some((second, _)) = beyond.min_by(order) else { return nothing };
     Found { neck: place, width: first + second, off: (0.5 * (second - first).abs() - neck.beside).abs(), at }
 }
 
