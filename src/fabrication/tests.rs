@@ -22,7 +22,7 @@ use super::test_sheet::{TestSheet, profile, sheets};
 use super::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
-use crate::profile::{Pole, Process, Profile};
+use crate::profile::{Pole, Profile};
 
 /// Rounding of coordinates of some 100 mm through a few dozen operations.
 const ROUNDING: f64 = 1e-9;
@@ -138,7 +138,7 @@ fn a_gap_that_carries_the_poles_puts_every_ligament_beside_its_hinge() {
 #[test]
 fn milled_walls_set_apart_are_two_grooves_with_every_ligament_on_its_hinge() {
     let mut profile = profile();
-    (profile.process, profile.cut.kerf) = (Process::Milling, 0.5);
+    (profile.cut.ruled, profile.cut.kerf) = (true, 0.5);
     for apart in [0.0, 0.05, 0.12, 0.26] {
         let gap = profile.hinge_gap() + 2.0 * apart;
         let sheet = TestSheet::rectangle([4, 3], [16.0, 14.0], gap);

@@ -19,6 +19,10 @@ pub mod error;
 
 pub mod outline;
 
+pub mod strokes;
+
+pub mod harmonic;
+
 pub mod rulings;
 
 pub mod caps;
@@ -39,6 +43,7 @@ use self::error::SolidError;
 use self::loft::{joined, loft};
 use self::outline::{Plate, plate};
 use self::rulings::Rulings;
+use self::strokes::Strokes;
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::outline::burned_bodies;
 use crate::fabrication::states::{motions, other_name, other_vertices, sheet_vertices};
@@ -80,9 +85,10 @@ pub struct ThickSheet {
 /// Walls that meet between their mid-plane and a face, outlines that touch themselves, pieces that
 /// interpenetrate.
 pub fn thicken(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<ThickSheet, SolidError> {
+    let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf);
     let rulings = match walls {
         Walls::Vertical => None,
-        Walls::Ruled => Some(Rulings::new(&sheet.hinges, thickness)?),
+        Walls::Ruled => Some(Rulings::new(&strokes, &sheet.hinges, thickness)?),
     };
     let ruled = |plate: Plate| match &rulings {
         Some(rulings) => rulings.rule(&plate),

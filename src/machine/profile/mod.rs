@@ -172,6 +172,11 @@ pub struct Output {
 }
 
 impl Machine {
+    /// Whether the tool can stand along hinges' tilted axes.
+    pub fn follows_axes(&self) -> bool {
+        self.rotary.is_some()
+    }
+
     /// A copy with other digits and no split: the test of what rounding costs.
     #[must_use]
     pub fn with_decimals(&self, decimals: usize, angle_decimals: usize) -> Self {
