@@ -13,11 +13,13 @@ mod fabricate;
 mod import;
 mod interrupt;
 mod make;
+mod milled;
 mod open_state;
 mod partial;
 mod progress;
 mod results;
 mod verify;
+mod verify_mill;
 mod snap;
 mod solids;
 
@@ -108,16 +110,25 @@ enum Command {
         allow_failing_hinges: bool,
         #[command(flatten)]
         keys: CutKeys,
+        /// What mills the sheet: a machine's name or file [default: linuxcnc-xyzbc-trt].
+        #[arg(long)]
+        machine: Option<String>,
+        /// Begin the milling program with this run of setup.txt, as after a broken tool.
+        #[arg(long, value_name = "RUN", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+        from_run: u32,
         #[command(flatten)]
         reporting: Reporting,
     },
-    /// Read the cut files of a folder back, burn them on paper and measure what is left, against the design.
+    /// Read the cut files or the milling program of a folder back, cut them on paper and measure what is left.
     Verify {
-        /// A folder with design.json, cut.dxf and cut.svg.
+        /// A folder with design.json and cut.dxf, cut.svg, or with a milling program and part.stl.
         folder: PathBuf,
         /// A profile's name or file [default: the one that hinges.json of the folder names].
         #[arg(short, long)]
         profile: Option<String>,
+        /// A machine's name or file [default: the one that hinges.json of the folder names].
+        #[arg(long)]
+        machine: Option<String>,
         /// List every fault, not only the first ones of each kind.
         #[arg(long)]
         all: bool,
@@ -218,10 +229,22 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check { design, profile, worst, allow_failing_hinges } => {
             check::run(&design, &profile, worst, allow_failing_hinges)
         }
-        Command::Fabricate { design, profile, output, allow_failing_hinges, keys, reporting } => {
-            fabricate::run(&design, &profile, &output, allow_failing_hinges, &keys, &reporting)
+        Command::Fabricate {
+            design,
+            profile,
+            output,
+            allow_failing_hinges,
+            keys,
+            machine,
+            from_run,
+            reporting,
+        } => {
+            let mill = (machine.as_deref(), from_run as usize - 1);
+            fabricate::run(&design, &profile, &output, allow_failing_hinges, &keys, mill, &reporting)
         }
-        Command::Verify { folder, profile, all } => verify::run(&folder, profile.as_deref(), all),
+        Command::Verify { folder, profile, machine, all } => {
+            verify::run(&folder, profile.as_deref(), machine.as_deref(), all)
+        }
         Command::Coupon { profile, output } => coupon::run(&profile, output),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),

@@ -14,6 +14,8 @@ use crate::kirigami::bistable::cell::BistableCell;
 use crate::kirigami::cover::{Boundary, PieceSize};
 pub use crate::kirigami::pattern::Opening;
 pub use crate::kirigami::pattern_mesh::Reading;
+use crate::machine::Machine;
+use crate::machine::profile::MachineFileError;
 use crate::output::dxf::DxfVersion;
 use crate::profile::{Profile, ProfileError};
 use crate::toml_source::{TomlError, read_text};
@@ -188,10 +190,15 @@ pub struct Fabrication {
     pub dxf: DxfVersion,
     /// How the sheet is cut.
     pub cut: CutOptions,
+    /// The machine that mills it; `None` for a laser.
+    pub machine: Option<Machine>,
 }
 
+/// The machine for milled sheets of jobs that name none.
+pub const DEFAULT_MACHINE: &str = "linuxcnc-xyzbc-trt";
+
 /// The keys that a job file may leave out, and what then holds.
-pub const DEFAULTS: [(&str, &str); 27] = [
+pub const DEFAULTS: [(&str, &str); 28] = [
     ("target.units", "\"mm\""),
     ("target.size_mm", "the mesh's own size"),
     ("target.closed_size_mm", "scaled as the open target is"),
@@ -203,6 +210,7 @@ pub const DEFAULTS: [(&str, &str); 27] = [
     ("fabrication.sheet_mm", "the profile's sheet"),
     ("fabrication.kerf_mm", "the profile's kerf"),
     ("fabrication.process", "the profile's process"),
+    ("fabrication.machine", "\"linuxcnc-xyzbc-trt\" for milling"),
     ("fabrication.dxf", "\"r2000\""),
     ("fabrication.copies", "1"),
     ("fabrication.spacing_mm", "5.0"),
@@ -242,6 +250,14 @@ pub enum JobError {
     /// The job file cannot be read or breaks a rule.
     #[error(transparent)]
     Job(#[from] TomlError),
+    /// The machine that it names cannot be read or breaks a rule.
+    #[error("{file}: the machine that it names cannot be used\n{source}")]
+    Machine {
+        /// The job file.
+        file: String,
+        /// What is wrong with the machine.
+        source: MachineFileError,
+    },
     /// The profile that it names cannot be read or breaks a rule.
     #[error("{file}: the profile that it names cannot be used\n{source}")]
     Profile {

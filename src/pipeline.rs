@@ -10,6 +10,8 @@ mod guides;
 
 mod meshed;
 
+pub mod mill;
+
 mod predict;
 
 mod stage1;

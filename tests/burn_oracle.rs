@@ -329,7 +329,8 @@ fn bistable_sheets_are_one_body_with_ligaments_as_designed() {
         let folder = peers::fresh_folder(&format!("burn-bistable-{name}"));
         let files = ["cut.dxf", "hinges.json", "design.json"].map(|name| folder.join(name));
         dxf::write(&made.layout, DxfVersion::R2000, &[], File::create(&files[0]).unwrap()).unwrap();
-        hinge_report::write_json(&made.hinges, &profile, None, File::create(&files[1]).unwrap()).unwrap();
+        hinge_report::write_json(&made.hinges, &profile, None, None, File::create(&files[1]).unwrap())
+            .unwrap();
         let pieces: Vec<Value> = made
             .design
             .pieces

@@ -137,7 +137,7 @@ fn hinges_that_are_not_numbers_are_not_written() {
     rows[8].centre_offset = f64::NAN;
     let mut bytes = Vec::new();
     let errors = [
-        hinge_report::write_json(&rows, &DOME.profile, None, &mut bytes).unwrap_err(),
+        hinge_report::write_json(&rows, &DOME.profile, None, None, &mut bytes).unwrap_err(),
         hinge_report::write_csv(&rows, &mut bytes).unwrap_err(),
     ];
     for error in errors {

@@ -208,7 +208,7 @@ fn design_json(design: &Design) -> Value {
 fn write(folder: &Path, made: &Fabrication, profile: &Profile, version: DxfVersion) -> [PathBuf; 3] {
     let files = ["cut.dxf", "hinges.json", "design.json"].map(|name| folder.join(name));
     dxf::write(&made.layout, version, &[], File::create(&files[0]).unwrap()).unwrap();
-    hinge_report::write_json(&made.hinges, profile, None, File::create(&files[1]).unwrap()).unwrap();
+    hinge_report::write_json(&made.hinges, profile, None, None, File::create(&files[1]).unwrap()).unwrap();
     fs::write(&files[2], design_json(&made.design).to_string()).unwrap();
     files
 }

@@ -7,15 +7,16 @@ use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::cut_keys::CutKeys;
 use super::progress::{Reporter, Reporting};
 use super::results::{Extras, Results, cut_lines, file_names, outcome, plan};
-use super::{Failure, events, interrupt, print, solids};
+use super::{Failure, events, interrupt, milled, print, solids};
 use crate::fabrication::product::Product;
-use crate::job::cut_keys;
+use crate::job::{DEFAULT_MACHINE, cut_keys};
 use crate::kirigami::quality::{Limits, Quality, measure_alone};
+use crate::machine::{self, Machine};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
 use crate::pipeline::{Clock, Progress, fingerprint};
-use crate::profile;
+use crate::profile::{self, Process, Profile};
 
 /// Lays a design out and writes the results, all or none.
 pub fn run(
@@ -24,6 +25,7 @@ pub fn run(
     folder: &Path,
     allow_failing: bool,
     keys: &CutKeys,
+    (machine, first_run): (Option<&str>, usize),
     reporting: &Reporting,
 ) -> Result<(), Failure> {
     let file = design_file(design);
@@ -33,6 +35,7 @@ pub fn run(
     let design = without_repeated(design);
     let mut profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
     let (dxf, mut options) = cut_keys(&keys.table(), &mut profile).map_err(Failure::bad_input)?;
+    let machine = machine_of(&mut profile, machine)?;
     OutputFolder::check(folder).map_err(Failure::bad_input)?;
     interrupt::listen();
     let mut reporter = Reporter::new(reporting);
@@ -49,13 +52,13 @@ pub fn run(
     let origin = origin(&bytes, &file, &product);
     options.engrave = options.engrave.map(|_| origin.job.clone());
     let plan = plan(&product, &profile, &options, &mut clock)?;
-    let extras = Extras { solids: thick.as_ref(), snap: None, plan: plan.as_ref() };
+    let mut extras = Extras { solids: thick.as_ref(), snap: None, plan: plan.as_ref(), milled: None };
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let quality = &origin.quality;
     let figures = figures(&product, quality);
     // The edge that was asked for is no concern of a design that exists.
     let limits = Limits { edge_deviation: f64::INFINITY, ..Limits::default() };
-    let results = Results {
+    let mut results = Results {
         name: &origin.job,
         target: &origin.target,
         hashes: &origin.hashes,
@@ -69,6 +72,9 @@ pub fn run(
         dxf,
         figures: &figures,
     };
+    let milled = milled::milled(&results, machine.as_ref(), &options, first_run, &mut clock)?;
+    extras.milled = milled.as_ref().zip(machine.as_ref());
+    results.extras = extras;
     results.leave(folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
@@ -77,6 +83,23 @@ pub fn run(
         print(&summary(&origin.job, &product, extras, &figures, folder));
     }
     Ok(())
+}
+
+/// The machine that mills a sheet; the profile's walls stand as it can cut them.
+fn machine_of(profile: &mut Profile, name: Option<&str>) -> Result<Option<Machine>, Failure> {
+    if profile.process == Process::Laser {
+        return match name {
+            None => Ok(None),
+            Some(_) => Err(Failure::BadInput(format!(
+                "--machine is for milling, and the profile {} for a laser: leave it out",
+                profile.name
+            ))),
+        };
+    }
+    let machine =
+        machine::load(name.unwrap_or(DEFAULT_MACHINE), Path::new(".")).map_err(Failure::bad_input)?;
+    profile.cut.ruled &= machine.follows_axes();
+    Ok(Some(machine))
 }
 
 /// What the design tells of itself, with the figures of the coordinates that are written and the design's own hash.
@@ -131,19 +154,15 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn event(
-    product: &Product,
-    Extras { solids: thick, plan, .. }: Extras,
-    quality: &Quality,
-    folder: &Path,
-) -> serde_json::Value {
+fn event(product: &Product, extras: Extras, quality: &Quality, folder: &Path) -> serde_json::Value {
+    let Extras { solids: thick, plan, milled, .. } = extras;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
     serde_json::json!({
         "event": "result",
         "status": 0,
         "folder": folder,
-        "files": file_names(product),
+        "files": file_names(product, extras),
         "pieces": product.design().pieces.len(),
         "hinges": product.hinges().len(),
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
@@ -151,13 +170,14 @@ fn event(
         "figures": figures,
         "solids": thick.map(solids::event),
         "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
+        "mill": milled.map(|(milled, machine)| milled::object(milled, machine)),
     })
 }
 
 fn summary(
     name: &str,
     product: &Product,
-    Extras { solids: thick, plan, .. }: Extras,
+    Extras { solids: thick, plan, milled, .. }: Extras,
     figures: &[(String, String)],
     folder: &Path,
 ) -> String {
@@ -172,6 +192,6 @@ fn summary(
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
-    text += &cut_lines(plan);
+    text += &milled.map_or_else(|| cut_lines(plan), milled::lines);
     text + &format!("Files in {}\n", folder.display())
 }

@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::results::{Extras, Results, cut_lines, file_names, no_cut_file, outcome, plan};
-use super::{Failure, Optimisation, events, interrupt, open_state, partial, print, solids};
+use super::{Failure, Optimisation, events, interrupt, milled, open_state, partial, print, solids};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
 use crate::job::{Job, Kind, read_job};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Fit, Quality};
+use crate::machine::Machine;
 use crate::memory;
-use crate::output::folder::{OutputFolder, SNAP_FILES};
+use crate::output::folder::{MILL_FILES, OutputFolder};
 use crate::output::{design_json, hinge_report, partial_json, snap_report};
+use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Made, Progress, limits, make, source_hashes};
-use crate::profile::Process;
 use crate::snap::assess::{Snap, assess};
 
 /// Runs the job and writes its results, all or none.
@@ -50,22 +51,28 @@ pub fn run(
     let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     let snap = snapping(&made, &job, &mut clock);
-    let extras = Extras { solids: thick.as_ref(), snap: snap.as_ref(), plan: plan.as_ref() };
-    Results {
+    let mut extras =
+        Extras { solids: thick.as_ref(), snap: snap.as_ref(), plan: plan.as_ref(), milled: None };
+    let fabrication = &job.fabrication;
+    let (target, hashes, shown) = (input.target_name(), source_hashes(&job, job_file), figures(&made));
+    let mut results = Results {
         name: &name,
-        target: &input.target_name(),
-        hashes: &source_hashes(&job, job_file),
+        target: &target,
+        hashes: &hashes,
         product: &made.product,
         outcome: &outcome("made", made.product.hinges()),
         extras,
         quality: &made.quality,
         limits: &limits(&job),
         stages: &made.stages,
-        profile: &job.fabrication.profile,
-        dxf: job.fabrication.dxf,
-        figures: &figures(&made),
-    }
-    .leave(&folder, allow_failing, &mut clock)?;
+        profile: &fabrication.profile,
+        dxf: fabrication.dxf,
+        figures: &shown,
+    };
+    let milled = milled::milled(&results, fabrication.machine.as_ref(), &fabrication.cut, 0, &mut clock)?;
+    extras.milled = milled.as_ref().zip(fabrication.machine.as_ref());
+    results.extras = extras;
+    results.leave(&folder, allow_failing, &mut clock)?;
     drop(reporter);
     if reporting.json {
         events::tell(&result_event(&made, extras, &input, &folder));
@@ -87,12 +94,8 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 }
 
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(
-    made: &Made,
-    Extras { solids: thick, snap, plan }: Extras,
-    input: &Input,
-    folder: &Path,
-) -> serde_json::Value {
+fn result_event(made: &Made, extras: Extras, input: &Input, folder: &Path) -> serde_json::Value {
+    let Extras { solids: thick, snap, plan, milled } = extras;
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
@@ -100,7 +103,7 @@ fn result_event(
         "event": "result",
         "status": 0,
         "folder": folder,
-        "files": file_names(product).iter().chain(snap.iter().flat_map(|_| &SNAP_FILES)).collect::<Vec<_>>(),
+        "files": file_names(product, extras),
         "snap": snap.map(|snap| snap_report::object(snap, &input.job.fabrication.profile.name)),
         "pieces": product.design().pieces.len(),
         "hinges": product.hinges().len(),
@@ -112,15 +115,20 @@ fn result_event(
         "cut_file": matches!(product, Product::Sheet(_)),
         "solids": thick.map(solids::event),
         "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
+        "mill": milled.map(|(milled, machine)| milled::object(milled, machine)),
         "remark": remark(made, input),
     })
 }
 
-/// What the cut files are for.
-fn cut_words(process: Process) -> &'static str {
-    match process {
-        Process::Laser => "for the laser; cut on the line, the kerf is applied",
-        Process::Milling => "for the mill; mill on the line, the tool's diameter is applied",
+/// The files that are cut by, and what they are for.
+fn cut_words(milled: Option<(&Milled, &Machine)>) -> [String; 2] {
+    match milled {
+        None => ["cut.dxf, cut.svg".into(), "for the laser; cut on the line, the kerf is applied".into()],
+        Some((milled, machine)) => {
+            let names = milled.program.files.iter().map(|(name, _)| name.as_str());
+            let names: Vec<&str> = names.chain(MILL_FILES).collect();
+            [names.join(", "), format!("for {}: program, its picture, set-up sheet", machine.name)]
+        }
     }
 }
 
@@ -201,13 +209,8 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn summary(
-    made: &Made,
-    Extras { solids: thick, snap, plan }: Extras,
-    input: &Input,
-    folder: &Path,
-    unused_partial: bool,
-) -> String {
+fn summary(made: &Made, extras: Extras, input: &Input, folder: &Path, unused_partial: bool) -> String {
+    let Extras { solids: thick, snap, plan, milled } = extras;
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let hinges = hinge_report::summary(made.product.hinges());
@@ -218,7 +221,7 @@ fn summary(
     if let Some(summary) = hinges {
         text += &format!("  {summary}\n");
     }
-    text += &cut_lines(plan);
+    text += &milled.map_or_else(|| cut_lines(plan), milled::lines);
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
@@ -240,9 +243,9 @@ fn summary(
     let files = match &made.product {
         Product::Sheet(sheet) => {
             let other = other_name(&sheet.design);
-            let cut = cut_words(input.job.fabrication.profile.process);
+            let [files, words] = cut_words(milled);
             format!(
-                "  cut.dxf, cut.svg            {cut}\n\
+                "  {files:<26}  {words}\n\
                  \x20 {:<26}  the part as a solid, and its pieces in the {other} state\n",
                 format!("part.stl, {other}.stl")
             )

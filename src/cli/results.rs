@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::Failure;
+use super::{Failure, milled};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
 use crate::fabrication::notes::applied_words;
@@ -13,17 +13,19 @@ use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Limits, Quality};
+use crate::machine::Machine;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{
-    ASSEMBLY_FILES, FolderError, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, REPORT, SHEET_FILES,
-    SNAP_FILES, SOLIDS,
+    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, REPORT,
+    SHEET_FILES, SNAP_FILES, SOLIDS,
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
 use crate::output::report::{self, Report};
-use crate::output::{hinge_report, snap_report, svg};
+use crate::output::{hinge_report, snap_report, svg, toolpath_svg};
+use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
 use crate::snap::assess::Snap;
@@ -94,6 +96,8 @@ pub struct Extras<'a> {
     pub snap: Option<&'a Snap>,
     /// How the sheet is cut, where there is one.
     pub plan: Option<&'a CutPlan>,
+    /// The program of a sheet that is milled, and the machine that takes it.
+    pub milled: Option<(&'a Milled, &'a Machine)>,
 }
 
 /// How many faults of one check are told of files that are not left.
@@ -115,7 +119,9 @@ impl Results<'_> {
                 Ok(out)
             })
             .map_err(refused)?;
-        if let (Product::Sheet(sheet), Some(plan)) = (self.product, self.extras.plan) {
+        if let (Product::Sheet(sheet), Some(plan), None) =
+            (self.product, self.extras.plan, self.extras.milled)
+        {
             let faults =
                 clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
             if !faults.is_empty() {
@@ -161,21 +167,37 @@ impl Results<'_> {
         Ok(faults)
     }
 
-    /// Writes all files but the times.
-    fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
-        let Self { product, profile, .. } = self;
-        let hinges = product.hinges();
-        let summary = hinge_report::summary(hinges);
-        let design = DesignFile {
-            design: product.design(),
+    /// What `design.json` is to hold.
+    fn design_file(&self) -> DesignFile<'_> {
+        let summary = hinge_report::summary(self.product.hinges());
+        DesignFile {
+            design: self.product.design(),
             quality: self.quality,
             stages: self.stages,
             max_strain: summary.as_ref().map(|summary| summary.worst_strain.value),
             provenance: Provenance { job: self.name, target: self.target, hashes: self.hashes },
-        };
-        out.write::<WriteError>("design.json", |file| Ok(design_json::write(&design, file)?))?;
+        }
+    }
+
+    /// The hash of `design.json` as it will be written.
+    ///
+    /// # Errors
+    /// A design that cannot be written.
+    pub fn design_hash(&self) -> Result<String, WriteError> {
+        let mut bytes = Vec::new();
+        design_json::write(&self.design_file(), &mut bytes)?;
+        Ok(fingerprint(&bytes))
+    }
+
+    /// Writes all files but the times.
+    fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
+        let Self { product, profile, .. } = self;
+        let hinges = product.hinges();
+        out.write::<WriteError>("design.json", |file| Ok(design_json::write(&self.design_file(), file)?))?;
         out.write::<WriteError>("hinges.json", |file| {
-            Ok(hinge_report::write_json(hinges, profile, self.extras.plan.map(|plan| &plan.report), file)?)
+            let mill = self.extras.milled.map(|(milled, machine)| milled::object(milled, machine));
+            let cut = self.extras.plan.map(|plan| &plan.report);
+            Ok(hinge_report::write_json(hinges, profile, cut, mill.as_ref(), file)?)
         })?;
         out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
         if let Some(snap) = self.extras.snap {
@@ -184,7 +206,9 @@ impl Results<'_> {
             out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
             out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
         }
-        out.write::<WriteError>(REPORT, |file| Ok(report::write(&self.report(&self.remarks()), file)?))?;
+        out.write::<WriteError>(REPORT, |file| {
+            Ok(report::write(&self.report(&self.remarks(), &self.cutting()), file)?)
+        })?;
         match (product, self.extras.plan) {
             (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
             (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
@@ -193,7 +217,7 @@ impl Results<'_> {
     }
 
     /// What the page tells that a person decides by.
-    fn report<'b>(&'b self, remarks: &'b [String]) -> Report<'b> {
+    fn report<'b>(&'b self, remarks: &'b [String], cutting: &'b [String]) -> Report<'b> {
         Report {
             job: self.name,
             target: self.target,
@@ -207,6 +231,16 @@ impl Results<'_> {
             remarks,
             snap: self.extras.snap,
             plan: self.extras.plan,
+            cutting,
+        }
+    }
+
+    /// What the summary says of cutting or milling.
+    fn cutting(&self) -> Vec<String> {
+        match (self.extras.milled, self.extras.plan) {
+            (Some(milled), _) => milled::lines(milled).lines().map(|line| line.trim().to_owned()).collect(),
+            (None, Some(plan)) => plan.report.lines(),
+            (None, None) => Vec::new(),
         }
     }
 
@@ -239,8 +273,14 @@ impl Results<'_> {
             format!("millimetres; {}", applied_words(profile)),
             verify::hash_comment(&fingerprint(&out.read("design.json")?)),
         ];
-        out.write::<WriteError>("cut.dxf", |file| Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?))?;
-        out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
+        if let Some((milled, machine)) = self.extras.milled {
+            self.write_program(milled, machine, &comments, out)?;
+        } else {
+            out.write::<WriteError>("cut.dxf", |file| {
+                Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?)
+            })?;
+            out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
+        }
         if let Some(solids) = self.extras.solids {
             let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
             for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
@@ -255,6 +295,25 @@ impl Results<'_> {
             figures: self.figures,
         };
         out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
+    }
+
+    /// The program, its picture, and what the person at the machine needs to know. What was verified is what is written.
+    fn write_program(
+        &self,
+        milled: &Milled,
+        machine: &Machine,
+        comments: &[String],
+        out: &OutputFolder,
+    ) -> Result<(), WriteError> {
+        for (name, text) in &milled.program.files {
+            out.write::<WriteError>(name, |file| Ok(file.write_all(text.as_bytes())?))?;
+        }
+        let [picture, setup] = MILL_FILES;
+        let stock = [self.profile.sheet.width, self.profile.sheet.height];
+        let drawn = toolpath_svg::Picture { planned: &milled.planned, stock, notes: comments };
+        out.write::<WriteError>(picture, |file| Ok(toolpath_svg::write(&drawn, file)?))?;
+        let text = milled::setup(milled, self, machine);
+        out.write::<WriteError>(setup, |file| Ok(file.write_all(text.as_bytes())?))
     }
 
     /// The solids of the pieces in both states, and the page that shows them.
@@ -311,12 +370,20 @@ pub fn cut_lines(plan: Option<&CutPlan>) -> String {
 }
 
 /// The names of the files that are written.
-pub fn file_names(product: &Product) -> &'static [&'static str] {
-    match product {
+pub fn file_names(product: &Product, extras: Extras) -> Vec<String> {
+    let names: &[&str] = match product {
         Product::Sheet(sheet) if sheet.design.sheet_state == Some(State::Open) => &OPEN_SHEET_FILES,
         Product::Sheet(_) => &SHEET_FILES,
         Product::Assembly(_) => &ASSEMBLY_FILES,
+    };
+    let mut names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    if let Some((milled, _)) = extras.milled {
+        names.retain(|name| !CUT_FILES.contains(&name.as_str()));
+        names.splice(1..1, MILL_FILES.map(str::to_owned));
+        names.splice(1..1, milled.program.files.iter().map(|(name, _)| name.clone()));
     }
+    names.extend(extras.snap.iter().flat_map(|_| SNAP_FILES.map(str::to_owned)));
+    names
 }
 
 /// What is said where a profile for a laser meets a design that no laser can cut from a sheet.

@@ -2,8 +2,9 @@
 
 use super::Failure;
 use crate::fabrication::product::Product;
+use crate::pipeline::mill::walls;
 use crate::profile::Profile;
-use crate::solid::{ThickSheet, Walls, thicken};
+use crate::solid::{ThickSheet, thicken};
 
 /// Overlaps of thick pieces below this are not worth a word, millimetres.
 const WORTH_TELLING: f64 = 1e-3;
@@ -14,8 +15,7 @@ const WORTH_TELLING: f64 = 1e-3;
 /// What cannot be made of thick material.
 pub fn solids(product: &Product, profile: &Profile) -> Result<Option<ThickSheet>, Failure> {
     let Product::Sheet(sheet) = product else { return Ok(None) };
-    // The cut files of every process so far are cut straight down.
-    let thick = thicken(sheet, profile.sheet.thickness, Walls::Vertical)
+    let thick = thicken(sheet, profile.sheet.thickness, walls(profile))
         .map_err(|error| Failure::NotMakeable(error.to_string()))?;
     Ok(Some(thick))
 }

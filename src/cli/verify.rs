@@ -6,6 +6,7 @@ use std::path::Path;
 use kurbo::{Point, Vec2};
 use serde::Deserialize;
 
+use super::verify_mill::{self, Sheet};
 use super::{Failure, print};
 use crate::fabrication::layout::Tabs;
 use crate::output::design_json;
@@ -17,7 +18,7 @@ use crate::verify::{self, Files, ONE_PART, Wanted};
 const SHOWN: usize = 10;
 
 /// Prints what was measured; an error names what is wrong.
-pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failure> {
+pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: bool) -> Result<(), Failure> {
     let file = folder.join("design.json");
     let bytes = design_json::read_bytes(&file).map_err(Failure::bad_input)?;
     let design = design_json::parse(&bytes)
@@ -26,7 +27,13 @@ pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failur
         let says = "neither state of this design is flat, so it has no cut files to verify";
         return Err(Failure::BadInput(format!("{}: {says}", file.display())));
     }
-    let Applied { profile, copies, tabs } = applied(folder, profile)?;
+    let Applied { profile, copies, tabs, mill } = applied(folder, profile)?;
+    let shown = if all { usize::MAX } else { SHOWN };
+    if let Some(told) = &mill {
+        let hash = fingerprint(&bytes);
+        let sheet = Sheet { design: &design, hash: &hash, profile: &profile, copies: &copies };
+        return verify_mill::run(folder, told, machine, &sheet, shown);
+    }
     let [dxf, svg] = [read(&folder.join("cut.dxf"))?, read(&folder.join("cut.svg"))?];
     let hash = fingerprint(&bytes);
     let wanted =
@@ -50,7 +57,7 @@ pub fn run(folder: &Path, profile: Option<&str>, all: bool) -> Result<(), Failur
             "{}: {count} fault{} in the cut files; do not cut them\n{}",
             folder.display(),
             if count == 1 { "" } else { "s" },
-            verify::faults(&verified.faults, if all { usize::MAX } else { SHOWN }).trim_end()
+            verify::faults(&verified.faults, shown).trim_end()
         ))),
     }
 }
@@ -68,6 +75,7 @@ struct Told {
     kerf_mm: f64,
     sheet_mm: Option<[f64; 2]>,
     cut: Option<ToldCut>,
+    mill: Option<verify_mill::Told>,
 }
 
 /// How the sheet is cut.
@@ -89,6 +97,7 @@ struct Applied {
     profile: Profile,
     copies: Vec<Vec2>,
     tabs: Option<Tabs>,
+    mill: Option<verify_mill::Told>,
 }
 
 /// The profile, with the kerf and the stock that the files were made for, and where the copies lie.
@@ -108,8 +117,9 @@ fn applied(folder: &Path, name: Option<&str>) -> Result<Applied, Failure> {
     let mut profile = profile::load(name, Path::new(".")).map_err(|error| {
         Failure::BadInput(format!("{error}; if it is a file of yours, name it with --profile"))
     })?;
-    let (mut copies, mut tabs) = (ONE_PART.to_vec(), None);
-    if let Some(Told { kerf_mm, sheet_mm, cut, .. }) = applied {
+    let (mut copies, mut tabs, mut mill) = (ONE_PART.to_vec(), None, None);
+    if let Some(Told { kerf_mm, sheet_mm, cut, mill: told, .. }) = applied {
+        mill = told;
         let [width, height] = sheet_mm.unwrap_or([profile.sheet.width, profile.sheet.height]);
         if ![kerf_mm, width, height].iter().all(|size| size.is_finite() && *size > 0.0) {
             let says = "kerf_mm and sheet_mm must be above 0; make the files again";
@@ -129,5 +139,5 @@ fn applied(folder: &Path, name: Option<&str>) -> Result<Applied, Failure> {
             return Err(Failure::BadInput(format!("{}: {says}", file.display())));
         }
     }
-    Ok(Applied { profile, copies, tabs })
+    Ok(Applied { profile, copies, tabs, mill })
 }

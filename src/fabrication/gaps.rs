@@ -11,14 +11,14 @@ use super::fabricate::ligament_lengths;
 use super::mechanics::pole_offset;
 use crate::geometry::Vector3;
 use crate::kirigami::design::{Design, Hinge, State};
-use crate::profile::{Pole, Process, Profile};
+use crate::profile::{Pole, Profile};
 
 /// Directions of two hinges at a corner, seen from its midpoint, that are opposite: the cosine of their angle.
 const OPPOSITE: f64 = -0.999;
 
 /// Whether all hinges of sheets of this profile need the same gap.
 pub fn is_even(profile: &Profile) -> bool {
-    profile.process == Process::Laser && profile.ligament.pole == Pole::Part(0.0)
+    !profile.cut.ruled && profile.ligament.pole == Pole::Part(0.0)
 }
 
 /// Half the gap of each hinge, millimetres, in the order of [`Design::hinges`]; `None` where a hinge needs a ligament that
@@ -40,7 +40,7 @@ pub fn half_gaps(design: &Design, profile: &Profile) -> Option<Vec<f64>> {
 /// By how much each half of a passing slit is wider at mid-plane than half a groove, per hinge: t/4 |l1 - l2|.
 fn tapers(design: &Design, profile: &Profile) -> Vec<f64> {
     let mut tapers = vec![0.0; design.hinges.len()];
-    if profile.process != Process::Milling {
+    if !profile.cut.ruled {
         return tapers;
     }
     let mut at_corner: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn milled_slits_grow_with_the_difference_of_the_two_leans_only() {
         let mut profile = profile();
-        (profile.process, profile.sheet.thickness) = (Process::Milling, 5.0);
+        (profile.cut.ruled, profile.sheet.thickness) = (true, 5.0);
         let mut design = sheet();
         let corner_of = |design: &Design, id: usize| {
             let hinge = &design.hinges[id];

@@ -250,7 +250,7 @@ fn findings(row: &HingeRow, asked: f64, profile: &Profile) -> Vec<(Verdict, Stri
         findings.push((Verdict::Warn, text));
     }
     let tilt_error = 0.5 * profile.sheet.thickness * row.tilt.tan();
-    if tilt_error > TILT_LIMIT * width {
+    if !profile.cut.ruled && tilt_error > TILT_LIMIT * width {
         let text = format!(
             "axis tilts by {:.1} degrees, {tilt_error:.3} mm at the sheet's faces",
             row.tilt.to_degrees()

@@ -185,13 +185,14 @@ pub fn profile() -> Profile {
             endurance_strain: Some(0.00124),
             coffin_manson: None,
         },
-        cut: Cut { kerf: 0.05, min_web: 0.35, speed: 10.0, heat_affected: None },
+        cut: Cut { kerf: 0.05, min_web: 0.35, speed: 10.0, ruled: false, heat_affected: None },
         ligament: Ligament {
             width: 0.5,
             pole: Pole::Part(0.0),
             shape: Shape::Beam(Beam { min_length: 0.5, max_length: 2.0, root_compliance: 1.2 }),
         },
         machine: Some(Machine { rapid_speed: 500.0, pierce_time: 0.1, hourly_rate: None }),
+        tool: None,
     }
 }
 

@@ -22,7 +22,7 @@ use super::test_sheet::{TestSheet, profile, sheets};
 use super::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
-use crate::profile::{Pole, Process, Profile};
+use crate::profile::{Pole, Profile};
 
 /// Rounding of coordinates of some 100 mm through a few dozen operations.
 const ROUNDING: f64 = 1e-9;
@@ -138,17 +138,17 @@ fn a_gap_that_carries_the_poles_puts_every_ligament_beside_its_hinge() {
 #[test]
 fn milled_walls_set_apart_are_two_grooves_with_every_ligament_on_its_hinge() {
     let mut profile = profile();
-    (profile.process, profile.cut.kerf) = (Process::Milling, 0.5);
-    for apart in [0.0, 0.05, 0.12, 0.13] {
+    (profile.cut.ruled, profile.cut.kerf) = (true, 0.5);
+    for apart in [0.0, 0.05, 0.12, 0.26] {
         let gap = profile.hinge_gap() + 2.0 * apart;
         let sheet = TestSheet::rectangle([4, 3], [16.0, 14.0], gap);
         let design = sheet.design(0.5);
         let lengths = vec![1.4; design.hinges.len()];
         let made = fabricate(&design, &profile, &lengths);
-        if apart > 0.125 {
-            // More than half a groove: a core would be left at the wide face.
+        if apart > 0.25 {
+            // More than a groove: a core would be left between the two passes.
             let error = made.unwrap_err().to_string();
-            assert!(error.contains("0.260 mm wider than the tool") && error.contains("0.250 mm"), "{error}");
+            assert!(error.contains("0.520 mm wider than the tool") && error.contains("0.500 mm"), "{error}");
             continue;
         }
         let made = made.unwrap();

@@ -11,9 +11,11 @@ use super::cut::cut_options;
 use super::guide::{RawGuide, guides};
 use super::solver::{RawSolver, solver};
 use super::{
-    Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern, PatternFile,
-    PieceSize, Reading, Shape, Target, Units,
+    Boundary, Cuts, DEFAULT_MACHINE, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern,
+    PatternFile, PieceSize, Reading, Shape, Target, Units,
 };
+use crate::machine::profile::MachineFileError;
+use crate::machine::{self, Machine};
 use crate::profile::{self, KERF, Process, Profile, ProfileError, SHEET_SIDE, TOOL_RADIUS};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -31,11 +33,6 @@ const STRETCH: Limits =
 const GAP: Limits = Limits::new(0.0, 100.0, "mm", "ligament width plus slit width; 0 is the paper's model");
 /// How far 1/m1 + 1/m2 may be from sqrt 2, relative: four typed digits fit.
 const STRETCH_TOLERANCE: f64 = 1.0e-3;
-
-const THIS_VERSION: &str = "this version makes rotating rectangles and bistable sheets, laser-cut";
-
-/// Keys that the job format foresees and this version does not make.
-const NOT_BUILT: [&str; 1] = ["fabrication.machine"];
 
 /// Two numbers; a list, because a list that is too long fits an array of two without a word.
 type Pair<T> = Spanned<Vec<Spanned<T>>>;
@@ -94,6 +91,7 @@ pub(super) struct RawFabrication {
     sheet_mm: Option<Pair<f64>>,
     kerf_mm: Option<Spanned<f64>>,
     process: Option<Spanned<String>>,
+    machine: Option<Spanned<String>>,
     dxf: Option<Spanned<String>>,
     pub copies: Option<Spanned<i64>>,
     pub spacing_mm: Option<Spanned<f64>>,
@@ -113,11 +111,6 @@ pub(super) struct RawFabrication {
 /// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
 pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobError> {
     let source = TomlSource { file, text };
-    for key in NOT_BUILT {
-        if let Some(span) = source.key_span(key) {
-            return Err(source.error(span, format!("{key} is not supported"), THIS_VERSION).into());
-        }
-    }
     let raw: RawJob = source.parse()?;
     let target = target(&source, &raw.target, &folder)?;
     let guides = guides(&source, &raw.guide, &target, &folder)?;
@@ -339,7 +332,39 @@ fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Resu
     override_kerf(source, raw, &mut profile)?;
     override_sheet(source, raw, &mut profile)?;
     let cut = cut_options(source, raw, &profile)?;
-    Ok(Fabrication { profile, dxf, cut })
+    let machine = machine(source, raw, folder, &profile)?;
+    if let Some(machine) = &machine {
+        profile.cut.ruled &= machine.follows_axes();
+    }
+    Ok(Fabrication { profile, dxf, cut, machine })
+}
+
+/// The machine of a sheet that is milled.
+fn machine(
+    source: &TomlSource,
+    raw: &RawFabrication,
+    folder: &Path,
+    profile: &Profile,
+) -> Result<Option<Machine>, JobError> {
+    let faulty = |fault| JobError::Machine { file: source.file.to_owned(), source: fault };
+    match (&raw.machine, profile.process) {
+        (None, Process::Laser) => Ok(None),
+        (Some(name), Process::Laser) => {
+            let what = format!("not for the profile {}, which is for a laser", profile.name);
+            Err(source
+                .value_error(name.span(), &what, "leave the key out, or take a profile for milling")
+                .into())
+        }
+        (None, Process::Milling) => machine::load(DEFAULT_MACHINE, folder).map(Some).map_err(faulty),
+        (Some(name), Process::Milling) => match machine::load(name.get_ref(), folder) {
+            Ok(machine) => Ok(Some(machine)),
+            Err(MachineFileError::UnknownName { known, .. }) => {
+                let help = format!("there are {}; or give the path of a TOML file", known.join(", "));
+                Err(source.value_error(name.span(), "not the name of a machine", help).into())
+            }
+            Err(fault) => Err(faulty(fault)),
+        },
+    }
 }
 
 pub(super) fn dxf_version(source: &TomlSource, raw: &RawFabrication) -> Result<DxfVersion, TomlError> {

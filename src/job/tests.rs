@@ -124,7 +124,8 @@ fn keys_left_out_have_their_documented_defaults() {
     let folder = Folder::new("defaults");
     let mut shortest = JOB.to_owned();
     // The closed target's own size needs two meshes, a weight its guide; the sheet's state may be said, never chosen.
-    let elsewhere = ["target.closed_size_mm", "guide.weight", "fabrication.sheet_state"];
+    let elsewhere =
+        ["target.closed_size_mm", "guide.weight", "fabrication.sheet_state", "fabrication.machine"];
     for (key, _) in DEFAULTS.into_iter().filter(|(key, _)| !elsewhere.contains(key)) {
         let name = key.rsplit('.').next().unwrap();
         folder.read(&with(name, "")).unwrap_or_else(|error| panic!("{key}: {error}"));
@@ -136,7 +137,10 @@ fn keys_left_out_have_their_documented_defaults() {
     let profile = crate::profile::load("steel-304-0.5mm", Path::new("")).unwrap();
     assert_eq!(job.pattern.gap, profile.hinge_gap());
     assert_eq!(job.solver, Solver::default());
-    assert_eq!(job.fabrication, Fabrication { profile, dxf: DxfVersion::R2000, cut: CutOptions::default() });
+    assert_eq!(
+        job.fabrication,
+        Fabrication { profile, dxf: DxfVersion::R2000, cut: CutOptions::default(), machine: None }
+    );
     // No other key may be left out; pieces has piece_mm in its place.
     for key in ["open", "closed", "kind", "profile", "pieces"] {
         let found = folder.diagnostic(&with(key, ""));
@@ -322,16 +326,19 @@ fn the_sheet_state_is_the_flat_one() {
 }
 
 #[test]
-fn what_is_not_built_is_refused_in_words() {
-    let folder = Folder::new("words");
-    let lines = [("dxf", "machine = \"x\"", "fabrication.machine")];
-    for (key, line, named) in lines {
-        let found = folder.diagnostic(&with(key, line));
-        assert_eq!(found.key, named);
-        assert!(found.message.contains("not supported"), "{found}");
-        assert!(found.help.contains("rotating rectangles and bistable sheets, laser-cut"));
-        assert!(found.to_string().contains('^'));
-    }
+fn machines_are_for_milling_and_three_axes_leave_walls_upright() {
+    let folder = Folder::new("machines");
+    let found = folder.diagnostic(&with("dxf", "machine = \"linuxcnc-xyz\""));
+    assert_eq!(found.key, "fabrication.machine");
+    assert!(found.message.contains("is for a laser"), "{found}");
+    let milled = |line: &str| with("profile", &format!("profile = \"nylon-6-5mm\"\n{line}"));
+    let job = folder.read(&milled("")).unwrap();
+    assert_eq!(job.fabrication.machine.map(|machine| machine.name).as_deref(), Some(DEFAULT_MACHINE));
+    assert!(job.fabrication.profile.cut.ruled);
+    let job = folder.read(&milled("machine = \"linuxcnc-xyz\"")).unwrap();
+    assert!(!job.fabrication.profile.cut.ruled);
+    let found = folder.diagnostic(&milled("machine = \"lathe\""));
+    assert!(found.help.contains("linuxcnc-xyzbc-trt"), "{found}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! Frame: the program's, millimetres: x and y as on the sheet, z = 0 on top of the stock.
 
+use kurbo::Vec2;
 use nalgebra::{Unit, Vector3};
 
 use crate::geometry::Point3;
@@ -75,6 +76,16 @@ pub struct Run {
     pub start: Pose,
     /// Its moves; the last ends outside the stock.
     pub blocks: Vec<Block>,
+}
+
+impl Run {
+    /// The same elsewhere on the sheet.
+    #[must_use]
+    pub fn moved(&self, by: Vec2) -> Self {
+        let pose = |pose: Pose| Pose { tip: pose.tip + Vector3::new(by.x, by.y, 0.0), ..pose };
+        let blocks = self.blocks.iter().map(|block| Block { to: pose(block.to), ..*block }).collect();
+        Self { contour: self.contour, start: pose(self.start), blocks }
+    }
 }
 
 /// All runs in the order of cutting. Between them the tool goes up to the safe height, turns, and goes on above the next

@@ -48,6 +48,19 @@ pub const SOLIDS: [&str; 2] = ["pieces-closed.stl", "pieces-open.stl"];
 pub const ASSEMBLY_FILES: [&str; 8] =
     ["design.json", "hinges.csv", "hinges.json", SOLIDS[0], SOLIDS[1], "preview.svg", REPORT, "timings.json"];
 
+/// What a run writes for a mill in the place of [`CUT_FILES`], besides the program.
+pub const MILL_FILES: [&str; 2] = ["toolpath.svg", "setup.txt"];
+
+/// What a run writes for a laser.
+pub const CUT_FILES: [&str; 2] = ["cut.dxf", "cut.svg"];
+
+/// Whether a file is a milling program of ours: `mill.ngc`, `mill-01.nc`.
+fn is_program(name: &str) -> bool {
+    let Some((stem, ending)) = name.split_once('.') else { return false };
+    let number = stem.strip_prefix("mill-").map(|number| number.chars().all(|digit| digit.is_ascii_digit()));
+    (stem == "mill" || number == Some(true)) && ["ngc", "nc", "h", "mpf"].contains(&ending)
+}
+
 /// What an interrupted run leaves behind. It may stand in a folder that is replaced.
 const PARTIAL: &str = super::partial_json::FILE_NAME;
 
@@ -80,8 +93,8 @@ pub enum FolderError {
 
 /// Whether a file is one that a run makes.
 fn is_of_a_run(name: &str) -> bool {
-    let lists = [&SHEET_FILES[..], &OPEN_SHEET_FILES, &ASSEMBLY_FILES, &SNAP_FILES];
-    lists.iter().any(|files| files.contains(&name)) || name == PARTIAL
+    let lists = [&SHEET_FILES[..], &OPEN_SHEET_FILES, &ASSEMBLY_FILES, &SNAP_FILES, &MILL_FILES];
+    lists.iter().any(|files| files.contains(&name)) || name == PARTIAL || is_program(name)
 }
 
 /// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.

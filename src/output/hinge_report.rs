@@ -43,7 +43,7 @@ pub enum WriteHingesError {
     Io(#[from] io::Error),
 }
 
-/// Writes `hinges.json`; `cut`: what cutting takes, where there is a sheet to cut.
+/// Writes `hinges.json`; `cut`: what cutting takes, where there is a sheet to cut; `mill`: what milling takes.
 ///
 /// # Errors
 /// A number that is not finite, before anything is written, or the error of `out`.
@@ -51,6 +51,7 @@ pub fn write_json<W: Write>(
     rows: &[HingeRow],
     profile: &Profile,
     cut: Option<&CutReport>,
+    mill: Option<&serde_json::Value>,
     out: W,
 ) -> Result<(), WriteHingesError> {
     check(rows)?;
@@ -63,6 +64,9 @@ pub fn write_json<W: Write>(
     writeln!(out, "  \"sheet_mm\": [{:?}, {:?}],", profile.sheet.width, profile.sheet.height)?;
     let cut = serde_json::to_string(&cut.map(cut_object)).map_err(io::Error::from)?;
     writeln!(out, "  \"cut\": {cut},")?;
+    if let Some(mill) = mill {
+        writeln!(out, "  \"mill\": {mill},")?;
+    }
     write_rows(&mut out, "  ", "hinges", rows.iter().map(JsonRow::new))?;
     writeln!(out, "\n}}")?;
     Ok(out.flush()?)

@@ -24,6 +24,8 @@ pub mod stretch_map;
 
 pub mod snap_report;
 
+pub mod toolpath_svg;
+
 pub mod whole_file;
 
 pub mod exchange;

@@ -8,9 +8,10 @@ use super::{Profile, read};
 use crate::toml_source::{TomlError, read_text};
 
 /// The profiles inside the program, by name, sorted.
-pub(super) const EMBEDDED: [(&str, &str); 3] = [
+pub(super) const EMBEDDED: [(&str, &str); 4] = [
     ("nitrile-rubber-2mm", include_str!("../../profiles/nitrile-rubber-2mm.toml")),
     ("nylon-6-5mm", include_str!("../../profiles/nylon-6-5mm.toml")),
+    ("nylon-6-conditioned-5mm", include_str!("../../profiles/nylon-6-conditioned-5mm.toml")),
     ("steel-304-0.5mm", include_str!("../../profiles/steel-304-0.5mm.toml")),
 ];
 

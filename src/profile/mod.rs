@@ -1,18 +1,21 @@
 //! Profiles: material, sheet, cutting process and ligament in one TOML file each (`profiles/*.toml`).
 //!
 //! Keys carry their unit as a suffix; inside the program lengths are millimetres, stresses megapascals (N/mm²),
-//! angles radians. A profile file is version 1 of this layout; [`load`] finds, reads and checks it. The same files
+//! angles radians. A profile file is version 1 of this layout; [`load()`] finds, reads and checks it. The same files
 //! are embedded in the program, and one in the folder `profiles` of the working directory goes before an embedded
 //! one of the same name.
 
 mod load;
 mod machine;
 mod read;
+mod tool;
 
 pub use load::{ProfileError, embedded, load, names};
 pub use machine::Machine;
 pub use read::parse;
-pub(crate) use read::{KERF, SHEET_SIDE, TOOL_RADIUS};
+pub(crate) use read::{KERF, SHEET_SIDE};
+pub(crate) use tool::TOOL_RADIUS;
+pub use tool::Tool;
 
 /// A checked profile: every number is finite and in its range.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +34,8 @@ pub struct Profile {
     pub ligament: Ligament,
     /// Speeds and rates for estimates; `None` where the file has none.
     pub machine: Option<Machine>,
+    /// The tool of a profile for milling, `None` of one for a laser.
+    pub tool: Option<Tool>,
 }
 
 /// The stock that is cut.
@@ -86,6 +91,8 @@ pub struct Cut {
     pub min_web: f64,
     /// Cutting speed, millimetres per second, over all passes together.
     pub speed: f64,
+    /// Whether the walls follow the hinges' tilted axes, as a mill with five axes cuts them.
+    pub ruled: bool,
     /// How far beside a groove the heat changes the material, millimetres; `None` where unknown.
     pub heat_affected: Option<f64>,
 }

@@ -4,6 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::machine::{RawMachine, machine};
+use super::tool::{RawTool, TOOL_RADIUS, tool};
 use super::{Beam, Cut, Ligament, Material, Pole, Process, Profile, Shape, Sheet};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -44,20 +45,6 @@ pub(crate) const KERF: Limits = Limits::new(
     "mm",
     "a focused beam burns a groove of at least 0.005 mm; above 2 mm it is no laser's",
 );
-pub(crate) const TOOL_RADIUS: Limits = Limits::new(
-    0.05,
-    5.0,
-    "mm",
-    "the thinnest end mills have 0.1 mm diameter; beyond 10 mm no hinge is left",
-);
-const FEED: Limits = Limits::new(
-    1.0,
-    20_000.0,
-    "mm/min",
-    "along the path; thin tools break above some metres a minute and rub below a few millimetres",
-);
-const STEP_DOWN: Limits =
-    Limits::new(0.01, 25.0, "mm", "how deep the tool goes in one pass: about its radius in a full groove");
 const EXTRA_LENGTH: Limits =
     Limits::new(0.0, 50.0, "mm", "straight length beside the notch's round: 0 is none, 50 is no hinge");
 const MIN_WEB: Limits = Limits::new(
@@ -148,15 +135,6 @@ struct RawLaser {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawTool {
-    radius_mm: Spanned<f64>,
-    min_web_mm: Spanned<f64>,
-    feed_mm_per_min: Spanned<f64>,
-    step_down_mm: Spanned<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct RawLigament {
     shape: Option<Spanned<String>>,
     width_mm: Spanned<f64>,
@@ -200,6 +178,7 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
         }
     };
     let sheet = sheet(&source, &raw.sheet)?;
+    let thickness = sheet.thickness;
     let profile = Profile {
         name: name.to_owned(),
         process,
@@ -208,6 +187,7 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
         sheet,
         ligament: ligament(&source, &raw.ligament)?,
         machine: raw.machine.as_ref().map(|raw| machine(&source, raw)).transpose()?,
+        tool: raw.tool.as_ref().map(|raw| tool(&source, raw, thickness)).transpose()?,
     };
     check_relations(&source, &raw, &profile)?;
     Ok(profile)
@@ -256,14 +236,19 @@ fn cut(source: &TomlSource, raw: &RawProfile, process: Process, sheet: &Sheet) -
             kerf: source.number(&laser.kerf_mm, &KERF)?,
             min_web: source.number(&laser.min_web_mm, &MIN_WEB)?,
             speed: source.number(&laser.cutting_speed_mm_per_s, &CUTTING_SPEED)?,
+            ruled: false,
             heat_affected: source.optional(laser.heat_affected_mm.as_ref(), &HEAT_AFFECTED)?,
         }),
         (Process::Milling, None, Some(tool)) => {
-            let passes = (sheet.thickness / source.number(&tool.step_down_mm, &STEP_DOWN)?).ceil();
+            let used = self::tool(source, tool, sheet.thickness)?;
+            // Both walls of a groove have their own pass at every depth.
+            let passes = 2.0 * ((sheet.thickness / used.step_down).ceil() + used.finish_passes as f64);
             Ok(Cut {
                 kerf: 2.0 * source.number(&tool.radius_mm, &TOOL_RADIUS)?,
                 min_web: source.number(&tool.min_web_mm, &MIN_WEB)?,
-                speed: source.number(&tool.feed_mm_per_min, &FEED)? / 60.0 / passes,
+                speed: used.feed / 60.0 / passes,
+                // Unless the machine has three axes.
+                ruled: true,
                 heat_affected: None,
             })
         }

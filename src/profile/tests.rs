@@ -98,8 +98,11 @@ fn the_steel_profile_has_the_numbers_of_its_file() {
 fn a_milled_groove_is_as_wide_as_its_tool_and_ends_in_the_notch() {
     let profile = read(&nylon()).unwrap();
     assert_eq!(profile.process, Process::Milling);
-    // 300 mm/min in ten passes of 0.5 mm.
-    assert_eq!(profile.cut, Cut { kerf: 1.0, min_web: 0.5, speed: 0.5, heat_affected: None });
+    // 300 mm/min in ten passes of 0.5 mm and one more at full depth, each there and back.
+    assert_eq!(
+        profile.cut,
+        Cut { kerf: 1.0, min_web: 0.5, speed: 5.0 / 22.0, ruled: true, heat_affected: None }
+    );
     assert_eq!((profile.hinge_gap(), profile.ligament_lengths()), (1.5, [1.0, 1.0]));
     assert_eq!(profile.material.conditioned_modulus, Some(1500.0));
     let longer = read(&with(&nylon(), "ligament.extra_length_mm", "1.0")).unwrap();
@@ -268,7 +271,7 @@ fn names_are_found_in_the_users_folder_first_and_paths_beside_the_base() {
     ));
     let message = load_with("steel", &folder, &user).unwrap_err().to_string();
     assert!(
-        message.contains("\"steel\"; there are bad, nitrile-rubber-2mm, nylon-6-5mm, steel-304-0.5mm;"),
+        message.contains("\"steel\"; there are bad, nitrile-rubber-2mm, nylon-6-5mm, nylon-6-conditioned-5mm, steel-304-0.5mm;"),
         "{message}"
     );
     std::fs::remove_dir_all(&folder).unwrap();

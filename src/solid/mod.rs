@@ -4,7 +4,7 @@
 //! What goes in: the checked cuts, true outlines and rigid motions of [`crate::fabrication`], and how the
 //! process leaves the walls of its cuts ([`Walls`]). Stages: [`outline`] burns the cuts and drops needless
 //! points, [`rulings`] gives every point of an outline the direction in which its wall runs through the
-//! sheet, [`caps`] triangulates the faces, [`loft`] joins them to closed shells, [`clash`] looks for pieces
+//! sheet, [`caps`] triangulates the faces, [`loft()`] joins them to closed shells, [`clash`] looks for pieces
 //! that interpenetrate.
 //!
 //! Frame: the sheet's, mid-plane z = 0, faces at z = -t/2 and +t/2; moved pieces stand in the frame of the
@@ -18,6 +18,10 @@
 pub mod error;
 
 pub mod outline;
+
+pub mod strokes;
+
+pub mod harmonic;
 
 pub mod rulings;
 
@@ -39,6 +43,7 @@ use self::error::SolidError;
 use self::loft::{joined, loft};
 use self::outline::{Plate, plate};
 use self::rulings::Rulings;
+use self::strokes::Strokes;
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::outline::burned_bodies;
 use crate::fabrication::states::{motions, other_name, other_vertices, sheet_vertices};
@@ -80,9 +85,10 @@ pub struct ThickSheet {
 /// Walls that meet between their mid-plane and a face, outlines that touch themselves, pieces that
 /// interpenetrate.
 pub fn thicken(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<ThickSheet, SolidError> {
+    let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf);
     let rulings = match walls {
         Walls::Vertical => None,
-        Walls::Ruled => Some(Rulings::new(&sheet.hinges, thickness)?),
+        Walls::Ruled => Some(Rulings::new(&strokes, &sheet.hinges, thickness)?),
     };
     let ruled = |plate: Plate| match &rulings {
         Some(rulings) => rulings.rule(&plate),

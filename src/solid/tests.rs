@@ -6,9 +6,14 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Rotation3, Unit};
 
 use super::error::SolidError;
+use super::loft::loft;
+use super::outline::plate;
+use super::rulings::Rulings;
+use super::strokes::Strokes;
 use super::{ThickSheet, Walls, placed, thicken};
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::hinge_table::HingeRow;
+use crate::fabrication::outline::burned_bodies;
 use crate::fabrication::test_sheet::{TestSheet, cut_open, profile, sheets};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point3, Vector3};
@@ -253,14 +258,13 @@ fn a_ruled_neck_is_centred_on_its_tilted_axis_at_every_depth() {
     }
 }
 
-/// A lattice whose hinges tilt by up to `lean`, both hinges of a corner to opposite sides.
+/// A lattice whose hinges tilt by up to `lean`, more towards one side, both hinges of a corner alike.
 fn tilted_lattice(lean: f64) -> Fabrication {
     let mut sheet = made(&TestSheet::rectangle([4, 3], [14.0, 14.0], 1.5).design(0.6), &milled());
     for (i, row) in sheet.hinges.iter_mut().enumerate() {
         let corner = sheet.design.pieces[row.pieces[0]].corners[sheet.design.hinges[i].vertices[0]];
-        let away = row.point - sheet.design.corners[corner];
-        let sign = if away.x + away.y > 0.0 { 1.0 } else { -1.0 };
-        let up = Vector3::new(sign * lean, sign * 0.6 * lean, 1.0).normalize();
+        let at = sheet.design.corners[corner];
+        let up = Vector3::new(lean * (at.x / 31.0 - 1.0), 0.6 * lean * (1.0 - at.y / 24.0), 1.0).normalize();
         row.axis = if i % 2 == 0 { up } else { -up };
         row.tilt = up.z.acos();
     }
@@ -268,46 +272,79 @@ fn tilted_lattice(lean: f64) -> Fabrication {
 }
 
 #[test]
-fn both_walls_of_a_slit_follow_their_own_hinges() {
-    let sheet = tilted_lattice(0.08);
+fn walls_follow_the_hinges_that_they_pass() {
+    let sheet = tilted_lattice(0.15);
     let thick = thicken(&sheet, 5.0, Walls::Ruled).unwrap();
     assert_closed(&thick.part);
     let part = read_back(&thick.part);
     assert_closed(&part);
     for z in [-2.45, -1.2, 0.3, 2.45] {
         let [centre, width] = neck_errors(&part, &sheet.hinges, z);
-        assert!(centre < 2e-3 && width < 4e-3, "{z}: {centre} {width}");
+        // A tool that leans by 0.15 across its groove is wider by 0.006 mm to either side.
+        assert!(centre < 2e-3 && width < 0.012 + 4e-3, "{z}: {centre} {width}");
     }
-    // The slit between the two hinges of a corner is 1 mm wide at the mid-plane and tapers by what the walls
-    // lean apart.
+}
+
+/// A lattice whose two hinges of every corner lean by `apart` to opposite sides of the slit between them.
+fn parted_lattice(apart: f64) -> Fabrication {
+    let mut design = TestSheet::rectangle([4, 3], [14.0, 14.0], 1.5 + 2.5 * apart).design(0.6);
+    for hinge in &mut design.hinges {
+        let corner = design.corners[design.pieces[hinge.pieces[0]].corners[hinge.vertices[0]]];
+        let away = (hinge.point - corner).try_normalize(1e-6).unwrap_or_default() * (0.5 * apart);
+        hinge.axis = hinge.axis.z.signum() * (Vector3::new(0.02, -0.01, 1.0) + away).normalize();
+    }
+    let mut profile = milled();
+    profile.cut.ruled = true;
+    made(&design, &profile)
+}
+
+#[test]
+fn both_walls_of_a_slit_follow_their_own_hinges() {
+    let sheet = parted_lattice(0.1);
+    let thick = thicken(&sheet, 5.0, Walls::Ruled).unwrap();
+    assert_closed(&thick.part);
+    let part = read_back(&thick.part);
+    for z in [-2.45, -1.2, 0.3, 2.45] {
+        let [centre, width] = neck_errors(&part, &sheet.hinges, z);
+        assert!(centre < 3e-3 && width < 6e-3, "{z}: {centre} {width}");
+    }
+    // The slit between the two hinges of a corner is as wide as the tool at its narrow face, and tapers by what the
+    // walls lean apart.
     let pair = sheet.hinges.iter().find_map(|a| {
-        let near = |b: &&HingeRow| b.id > a.id && (b.point - a.point).norm() < 1.6;
+        let near = |b: &&HingeRow| b.id > a.id && (b.point - a.point).norm() < 1.8;
         sheet.hinges.iter().find(near).map(|b| [a.clone(), b.clone()])
     });
     let [a, b] = pair.expect("a corner with two hinges");
     let away = (b.point - a.point).normalize();
     let lean = |row: &HingeRow| row.axis / row.axis.z;
-    for z in [-2.4, 2.4] {
+    for z in [-2.49, -1.0, 2.49] {
         let middle = nalgebra::center(&a.point, &b.point) + 0.5 * z * (lean(&a) + lean(&b));
         let slice = slice(&part, z);
         let ways = [1.0, -1.0].map(|s| free_way(&slice, [middle.x, middle.y], [s * away.x, s * away.y]));
-        let expected = 1.0 + z * (lean(&b) - lean(&a)).dot(&away);
-        assert!((ways[0] + ways[1] - expected).abs() < 5e-3, "{z}: {ways:?} {expected}");
+        let expected = 1.25 + z * (lean(&b) - lean(&a)).dot(&away);
+        assert!((ways[0] + ways[1] - expected).abs() < 6e-3, "{z}: {ways:?} {expected}");
+        assert!(expected > 1.0 - 1e-3);
     }
 }
 
 #[test]
 fn walls_that_meet_or_lie_flat_are_refused_with_place_and_value() {
-    // Slopes of 0.25 to either side bring the walls of a 1 mm slit together 2 mm from the mid-plane.
-    match thicken(&tilted_lattice(0.25), 5.0, Walls::Ruled) {
-        Err(SolidError::WallsMeet { depth, closing, width, x, y }) => {
-            assert!(depth.abs() == 2.5 && closing > width && width < 1.1, "{depth} {closing} {width}");
-            assert!(x > 5.0 && y > 5.0 && x < 62.0 && y < 48.0);
-        }
-        other => panic!("{other:?}"),
+    let folded = thicken(&tilted_lattice(7.0), 5.0, Walls::Ruled);
+    assert!(matches!(folded, Err(SolidError::FlatAxis { tilt_deg, .. }) if tilt_deg > 45.0), "{folded:?}");
+    // Two hinges of one slit that lean by 0.9 against each other, 12 mm apart.
+    let mut sheet = tilted_lattice(0.0);
+    for (i, row) in sheet.hinges.iter_mut().enumerate() {
+        row.axis = Vector3::new(if i % 3 == 0 { 0.9 } else { -0.9 }, 0.3, 1.0).normalize();
     }
-    let flat = thicken(&tilted_lattice(1.2), 5.0, Walls::Ruled);
-    assert!(matches!(flat, Err(SolidError::FlatAxis { tilt_deg, .. }) if tilt_deg > 45.0), "{flat:?}");
+    let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5);
+    let rulings = Rulings::new(&strokes, &sheet.hinges, 5.0).unwrap();
+    let body = &burned_bodies(&sheet.layout.paths, 1.0)[0];
+    match loft(&rulings.rule(&plate(body).unwrap()), 5.0) {
+        Err(SolidError::WallsMeet { depth, .. } | SolidError::WallFolds { depth, .. }) => {
+            assert_eq!(depth.abs(), 2.5);
+        }
+        other => panic!("{:?}", other.map(|shell| shell.volume)),
+    }
 }
 
 #[test]

@@ -15,11 +15,11 @@ use super::{Wanted, hinge_points};
 use crate::fabrication::layout::{CutKind, CutPath, Tabs};
 use crate::fabrication::outline::{contains, contour_box};
 use crate::fabrication::states::sheet_vertices;
-use crate::fabrication::web::{nearest_on_segment, segment_gap};
+use crate::fabrication::web::segment_gap;
 
 /// A lead ends this near to where its cut begins, millimetres: twice the last digit of the SVG.
 const MEETS: f64 = 2e-6;
-/// How far a tab's width and place may be off, millimetres; and how far a lead's groove may reach over a piece.
+/// How far a tab's width and place may be off, millimetres.
 const OFF: f64 = 0.01;
 /// What rounding may take of the material between a lead and another cut, millimetres.
 const ROUNDING: f64 = 1e-3;
@@ -160,8 +160,8 @@ impl FoundTabs<'_> {
     }
 }
 
-/// Every lead lies in scrap: outside of all borders or in its own window's hole, its groove over no piece, and clear of
-/// all cuts but its own.
+/// Every lead lies in scrap: outside of all borders or in its own window's hole, over no piece, and clear of all cuts but its
+/// own.
 pub(super) fn check_leads(whole: &Whole, wanted: Wanted, faults: &mut Vec<Fault>) {
     if whole.leads.is_empty() {
         return;
@@ -185,14 +185,14 @@ pub(super) fn check_leads(whole: &Whole, wanted: Wanted, faults: &mut Vec<Fault>
             Some(hole) => contains(hole, [at.x, at.y]),
             None => !borders.iter().any(|border| contains(border, [at.x, at.y])),
         };
-        if let Some(at) = begins.into_iter().find(|&at| !scrap(at)) {
+        if let Some(at) = begins.clone().find(|&at| !scrap(at)) {
             let place = if window.is_some() { "inside of its window" } else { "outside of the border" };
             wrong(at, format!("is not in scrap: it must lie {place}"));
             continue;
         }
-        let (over, at) = pieces.nearest(&segments, kerf);
-        if over < 0.5 * kerf - OFF {
-            wrong(at, format!("reaches {:.3} mm over a piece, the limit is {OFF} mm", 0.5 * kerf - over));
+        let mut begins = begins;
+        if let Some(at) = begins.find(|&at| pieces.hold(at)) {
+            wrong(at, "lies over a piece".to_owned());
         }
         let limit = kerf + min_web;
         for &segment in &segments {
@@ -280,28 +280,5 @@ impl Pieces {
     /// Whether a point lies in a piece.
     fn hold(&self, at: Point) -> bool {
         self.near(around(at, 0.0)).any(|(polygon, by)| contains(polygon, [at.x - by.x, at.y - by.y]))
-    }
-
-    /// Distance from a way to the nearest piece within reach, 0 inside of one, and where.
-    fn nearest(&self, way: &[[Point; 2]], reach: f64) -> (f64, Point) {
-        let mut best = (f64::INFINITY, way[0][0]);
-        for &segment in way {
-            let place = Rect::from_points(segment[0], segment[1]).inflate(reach, reach);
-            for (polygon, by) in self.near(place) {
-                let [x, y] = [segment[0].x - by.x, segment[0].y - by.y];
-                if contains(polygon, [x, y]) {
-                    return (0.0, segment[0]);
-                }
-                for i in 0..polygon.len() {
-                    let side = [polygon[i], polygon[(i + 1) % polygon.len()]];
-                    let side = side.map(|[x, y]| Point::new(x, y) + by);
-                    let (gap, at) = segment_gap(segment, side);
-                    if gap < best.0 {
-                        best = (gap, nearest_on_segment(at, segment));
-                    }
-                }
-            }
-        }
-        best
     }
 }

@@ -62,7 +62,7 @@ pub fn laid_out(dome: &Dome) -> Fabrication {
 /// `hinges.json` of some rows.
 pub fn hinges_text(dome: &Dome, rows: &[HingeRow]) -> String {
     let mut bytes = Vec::new();
-    hinge_report::write_json(rows, &dome.profile, None, &mut bytes).unwrap();
+    hinge_report::write_json(rows, &dome.profile, None, None, &mut bytes).unwrap();
     String::from_utf8(bytes).unwrap()
 }
 

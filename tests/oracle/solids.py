@@ -45,7 +45,7 @@ def figures(mesh):
     }
 
 
-def section(mesh, z):
+def region(mesh, z):
     """The region that a plane cuts out of a mesh without vertices at its height."""
     corners = mesh.triangles
     sides = []
@@ -62,8 +62,12 @@ def section(mesh, z):
         lines.append(np.stack([sides[i][1][both], sides[j][1][both]], axis=1))
     lines = np.round(np.concatenate(lines), 9)
     lines = lines[(lines[:, 0] != lines[:, 1]).any(axis=1)]
-    region = shapely.build_area(shapely.multilinestrings(shapely.linestrings(lines)))
-    return {"area": region.area, "valid": bool(region.is_valid), "bodies": len(shapely.get_parts(region))}
+    return shapely.build_area(shapely.multilinestrings(shapely.linestrings(lines)))
+
+
+def section(mesh, z):
+    found = region(mesh, z)
+    return {"area": found.area, "valid": bool(found.is_valid), "bodies": len(shapely.get_parts(found))}
 
 
 def burned(name, kerf):
@@ -115,4 +119,5 @@ def main():
     )
 
 
-main()
+if __name__ == "__main__":
+    main()

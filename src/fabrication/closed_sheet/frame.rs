@@ -22,7 +22,7 @@ use crate::fabrication::error::FabricationError;
 use crate::fabrication::mechanics::pole_offset;
 use crate::fabrication::topology::{EdgeHinge, Fan, Topology};
 use crate::kirigami::design::Design;
-use crate::profile::{Process, Profile};
+use crate::profile::Profile;
 
 /// What a corner is for the cuts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -166,7 +166,7 @@ fn spread(
     let [Some(above), Some(below)] = hinged.map(|edge| topology.edges[edge].hinge) else {
         return Ok([0.0; 2]);
     };
-    if profile.process != Process::Milling {
+    if !profile.cut.ruled {
         return Ok([0.0; 2]);
     }
     let beyond = |hinge: EdgeHinge, normal: Vec2, edge: usize| {
@@ -178,8 +178,8 @@ fn spread(
     if spread.iter().any(|&wall| wall < LEAST_SPREAD) {
         return Ok([0.0; 2]);
     }
-    // Walls that are k apart at one face and twice as much at the other are 1.5 k apart at mid-plane.
-    let (width, limit) = (spread[0] + spread[1], 0.5 * profile.cut.kerf);
+    // Two passes whose centre lines are farther apart than they are wide leave a core between them at mid-plane.
+    let (width, limit) = (spread[0] + spread[1], profile.cut.kerf);
     if width > limit { Err([width, limit]) } else { Ok(spread) }
 }
 

@@ -1,6 +1,6 @@
 //! Machines: kinematics, limits, set-up and controller, one TOML file each (`profiles/machines/*.toml`).
 //!
-//! A machine file is version 1 of this layout; [`load`] finds, reads and checks it as
+//! A machine file is version 1 of this layout; [`load()`] finds, reads and checks it as
 //! [`crate::profile::load`] does a material's. Inside, lengths are millimetres, angles radians, speeds
 //! millimetres or radians per minute.
 
@@ -172,6 +172,11 @@ pub struct Output {
 }
 
 impl Machine {
+    /// Whether the tool can stand along hinges' tilted axes.
+    pub fn follows_axes(&self) -> bool {
+        self.rotary.is_some()
+    }
+
     /// A copy with other digits and no split: the test of what rounding costs.
     #[must_use]
     pub fn with_decimals(&self, decimals: usize, angle_decimals: usize) -> Self {

@@ -69,6 +69,8 @@ pub struct Report<'a> {
     pub snap: Option<&'a Snap>,
     /// How the sheet is cut.
     pub plan: Option<&'a CutPlan>,
+    /// What the summary says of that, one line each.
+    pub cutting: &'a [String],
 }
 
 /// Writes the page.
@@ -136,7 +138,7 @@ fn object(report: &Report) -> Value {
         "hinges": columns,
         "words": words,
         "cut": report.plan.map_or_else(Vec::new, |plan| cut(&plan.report, profile)),
-        "cut_lines": report.plan.map_or_else(Vec::new, |plan| plan.report.lines()),
+        "cut_lines": report.cutting,
         "steps": steps::steps(report),
         "stages": report.stages.iter().map(stage).collect::<Vec<_>>(),
     })
