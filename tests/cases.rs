@@ -11,13 +11,14 @@ use program::{FILES, Mesh, OPEN_SHEET_FILES, STEEL, asked, design, made, number,
 use serde_json::{Value, json};
 
 /// The files of a result without a flat state, sorted.
-const ASSEMBLY: [&str; 7] = [
+const ASSEMBLY: [&str; 8] = [
     "design.json",
     "hinges.csv",
     "hinges.json",
     "pieces-closed.stl",
     "pieces-open.stl",
     "preview.svg",
+    "report.html",
     "timings.json",
 ];
 

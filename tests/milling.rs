@@ -113,6 +113,7 @@ fn a_bistable_cap_is_milled_on_every_machine() {
         "open.stl",
         "part.stl",
         "preview.svg",
+        "report.html",
         "setup.txt",
         "snap.json",
         "snap.svg",

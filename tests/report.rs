@@ -263,7 +263,7 @@ fn the_pages_formulas_are_those_of_the_program() {
             profile.ligament.width *= width;
             profile.sheet.thickness *= 1.7 * width;
             for (length, degrees) in
-                [(1.0, 0.05), (1.07, 2.0), (1.3, 11.0), (1.5, 36.5), (2.1, 88.0), (3.0, 110.0)]
+                [(1.0, 0.05), (1.07, 2.0), (1.3, 11.0), (1.5, 36.5), (2.1, 88.0), (3.0, 110.0), (1.05, 170.0)]
             {
                 cases.push((profile.clone(), length, f64::to_radians(degrees)));
             }

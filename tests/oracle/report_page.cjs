@@ -60,18 +60,23 @@ async function picking(page) {
   await page.keyboard.press("End");
   found.end = await page.evaluate(() => Number(document.activeElement.getAttribute("aria-rowindex")));
   found.rows = await page.$eval("#table", (table) => Number(table.getAttribute("aria-rowcount")));
-  // On the sheet: a click where the hinge entered lies, after another one was chosen.
+  // On the sheet: a click where the hinge entered lies, after another one was chosen. The wheel zooms in on it first: the
+  // hinges of a corner lie half a millimetre apart.
   await page.locator("#zoom-fit").click();
   await page.locator("#table thead button").first().click();
   await page.locator("#table tbody tr[data-id]").first().click();
   found.other = await picked(page);
-  const spot = await page.evaluate(([x, y]) => {
-    const svg = document.getElementById("drawing");
-    svg.scrollIntoView({ block: "center" });
-    const at = new DOMPoint(x, y).matrixTransform(svg.getScreenCTM());
+  await page.locator("#drawing").evaluate((svg) => svg.scrollIntoView({ block: "center" }));
+  await page.locator("#drawing").focus();
+  const spot = () => page.evaluate(([x, y]) => {
+    const at = new DOMPoint(x, y).matrixTransform(document.getElementById("drawing").getScreenCTM());
     return [at.x, at.y];
   }, found.entered.at);
-  await page.mouse.click(...spot);
+  await page.waitForTimeout(400);
+  await page.mouse.move(...await spot());
+  for (let i = 0; i < 8; i += 1) await page.mouse.wheel(0, -400);
+  await page.waitForTimeout(400);
+  await page.mouse.click(...await spot());
   found.on_sheet = await picked(page);
   return found;
 }

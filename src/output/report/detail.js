@@ -9,7 +9,7 @@ function showDetail(id) {
     ["ligament", `${fixed(HINGES.width[id], 3)} \u00d7 ${fixed(HINGES.length[id], 3)} mm, sheet ${DATA.mechanics.thickness} mm`],
     ["strain", `${percent(load("strain"))}, ${CLASSES[load("class")]}`],
     ["torque", torque === null ? "above yield: none follows" : `${digits(torque)} N mm`],
-    ["stiffness", `${fixed(HINGES.stiffness[id], 1)} N mm per radian, elastic`],
+    ["stiffness", `${digits(stiffness(shown.mechanics, elasticLength(shown.mechanics, load("length"))))} N mm per radian, elastic`],
     ["lasts", load("fatigue")],
     ["lets go", `${fixed(turnsBack(id), 2)}\u00b0 back when released`],
     ["axis", `tilts ${fixed(HINGES.tilt[id], 2)}\u00b0; (${["axis_x", "axis_y", "axis_z"].map((key) => fixed(HINGES[key][id], 4)).join(", ")})`],
@@ -17,17 +17,17 @@ function showDetail(id) {
     ["centre", `${fixed(HINGES.centre[id], 4)} mm off its place`],
     ["next cut", HINGES.next[id] === null ? "none near" : `${fixed(HINGES.next[id], 3)} mm`],
     ["web margin", `${fixed(HINGES.web[id], 3)} mm over the least web`],
-    ["verdict", word("verdict", id) + (word("reason", id) ? `: ${word("reason", id)}` : "")],
+    [shown.altered ? "as made" : "verdict", word("verdict", id) + (word("reason", id) ? `: ${word("reason", id)}` : "")],
   ];
   if (HINGES.pole[id] !== 0) facts.splice(9, 0, ["pole", `${fixed(HINGES.pole[id], 4)} mm from the ligament's centre`]);
-  if (shown.altered) facts.splice(2, 0, ["what if", `strain, torque and life of ${fixed(load("length"), 3)} mm`]);
+  if (shown.altered) facts.splice(2, 0, ["what if", `${fixed(shown.mechanics.width, 3)} \u00d7 ${fixed(load("length"), 3)} mm, sheet ${shown.mechanics.thickness} mm`]);
   byId("detail-values").replaceChildren(...facts.flatMap(([name, value]) =>
     [element("dt", {}, name), element("dd", {}, value)]));
   drawLigament(id);
 }
 
 function turnsBack(id) {
-  return (springback(DATA.mechanics, HINGES.length[id], radians(HINGES.angle[id])) * 180) / Math.PI;
+  return (springback(shown.mechanics, shown.loads.length[id], radians(HINGES.angle[id])) * 180) / Math.PI;
 }
 
 // The ligament lies level, the groove that frees it above, the one that passes below.

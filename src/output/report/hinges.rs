@@ -33,7 +33,6 @@ pub fn columns(product: &Product) -> (Value, Value) {
     add("centre", &|row| rounded(row.centre_offset, 5));
     // As it is: hinges are sorted by it as everywhere else.
     add("strain", &|row| row.strain.into());
-    add("stiffness", &|row| rounded(row.stiffness, 4));
     add("torque", &|row| row.torque.map_or(Value::Null, |torque| rounded(torque, 6)));
     add("web", &|row| rounded(row.width_margin, 5));
     add("next", &|row| if row.nearest_cut.is_finite() { rounded(row.nearest_cut, 4) } else { Value::Null });

@@ -30,7 +30,7 @@ function fixed(value, digits) {
 }
 
 // Three digits that count.
-const digits = (value) => (value === 0 ? "0" : Number(value.toPrecision(3)).toString());
+const digits = (value) => (value === 0 ? "0" : value < 1e-3 ? value.toExponential(1) : Number(value.toPrecision(3)).toString());
 const percent = (value) => `${fixed(100 * value, 2)} %`;
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
@@ -49,7 +49,8 @@ const COUNT = HINGES.piece_j.length;
 const word = (column, id) => DATA.words[column][HINGES[column][id]];
 
 // What tables, drawings and charts show: as made, or what the reader asks for. Views register with `onLoads`.
-const shown = { loads: null, altered: false };
+// `mechanics` and `material` are what they were computed with.
+const shown = { loads: null, altered: false, mechanics: DATA.mechanics, material: DATA.materials[0] };
 const onLoads = [];
 
 function loadsAsMade() {

@@ -1,6 +1,5 @@
 // Puts the parts together; what is chosen first is the worst hinge.
 
-shown.material = DATA.materials[0];
 shown.loads = loadsAsMade();
 textParts();
 themeButton();

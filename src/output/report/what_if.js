@@ -46,7 +46,7 @@ function apply() {
   const { profile, kind, length } = wish;
   const same = kind === "drawn" && profile.width === AS_MADE.width && profile.thickness === AS_MADE.thickness &&
     profile.material === DATA.materials[0];
-  shown.material = profile.material;
+  [shown.mechanics, shown.material] = [profile, profile.material];
   let short = 0;
   const loads = { strain: [], class: [], torque: [], length: [], fatigue: [] };
   for (let id = 0; id < COUNT; id += 1) {
