@@ -75,7 +75,8 @@ impl<'a> Cuts<'a> {
             let index = run[0].0;
             let line = &self.lines[index];
             if !self.paths[index].closed {
-                grooves.extend_from_slice(&self.grooves[index]);
+                let parts = self.grooves[index].iter().flatten().map(|contour| clipped(contour, near));
+                grooves.extend(parts.filter(|part| part.len() > 2).map(|part| vec![part]));
             } else if run.len() == line.len() {
                 closed.push(line.clone());
             } else {
@@ -128,6 +129,33 @@ impl Middles {
         let inside = inside.map(|item| item.data).filter(|&piece| Some(piece) != except);
         inside.filter(|&piece| holds(region, self.of[piece])).min()
     }
+}
+
+/// The part of a contour in a box. Where it leaves the box and comes back it runs along the box's edge, maybe twice.
+fn clipped(contour: &Contour, place: Rect) -> Contour {
+    let Rect { x0, y0, x1, y1 } = place;
+    let mut points = contour.clone();
+    // Per side of the box: the coordinate, its bound, and on which side of it lies the box.
+    for (axis, bound, sign) in [(0, x0, 1.0), (0, x1, -1.0), (1, y0, 1.0), (1, y1, -1.0)] {
+        let depth = |point: &[f64; 2]| sign * (point[axis] - bound);
+        if points.iter().all(|point| depth(point) >= 0.0) {
+            continue;
+        }
+        let mut kept = Vec::with_capacity(points.len());
+        for (i, b) in points.iter().enumerate() {
+            let a = &points[(i + points.len() - 1) % points.len()];
+            let [s, t] = [depth(a), depth(b)];
+            if (s < 0.0) != (t < 0.0) {
+                let part = s / (s - t);
+                kept.push([0, 1].map(|k| a[k] + part * (b[k] - a[k])));
+            }
+            if t >= 0.0 {
+                kept.push(*b);
+            }
+        }
+        points = kept;
+    }
+    points
 }
 
 /// Whether a point lies in a region and in none of its holes.
@@ -223,4 +251,29 @@ fn at_edge(region: &Shape, place: Rect) -> bool {
     let Rect { x0, y0, x1, y1 } = place.inflate(-AT_EDGE, -AT_EDGE);
     let Rect { x0: left, y0: low, x1: right, y1: high } = contour_box(&region[0]);
     left <= x0 || low <= y0 || right >= x1 || high >= y1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fabrication::outline::area;
+
+    #[test]
+    fn a_clipped_contour_has_the_area_that_is_in_the_box() {
+        // A U of 3 x 3 with a slot of 1 x 2 from above; the box cuts both of its legs.
+        let points = [[0., 0.], [3., 0.], [3., 3.], [2., 3.], [2., 1.], [1., 1.], [1., 3.], [0., 3.]];
+        for (place, expected) in [
+            (Rect::new(-1.0, -1.0, 4.0, 4.0), 7.0),
+            (Rect::new(-1.0, 2.0, 4.0, 4.0), 2.0),
+            (Rect::new(0.5, 0.5, 2.5, 2.0), 2.0),
+            (Rect::new(1.2, 1.5, 1.8, 2.5), 0.0),
+            (Rect::new(5.0, 5.0, 6.0, 6.0), 0.0),
+        ] {
+            let part = clipped(&points.to_vec(), place);
+            let closed: Contour = part.iter().chain(part.first()).copied().collect();
+            assert!((area(&closed) - expected).abs() < 1e-12, "{place:?} {part:?}");
+            let whole = place.inflate(1e-12, 1e-12);
+            assert!(part.iter().all(|&[x, y]| whole.contains(kurbo::Point::new(x, y))));
+        }
+    }
 }

@@ -94,7 +94,7 @@ pub struct Reached<P> {
 const SOUND: [f64; 2] = [1e-2, 1e-6];
 
 /// Rounds in which the hinge points follow the angles and axes that they change.
-const SPACING_ROUNDS: usize = 2;
+const SPACING_ROUNDS: usize = 4;
 
 /// A level that has been optimised.
 struct Done<P> {

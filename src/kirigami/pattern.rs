@@ -78,7 +78,7 @@ const JUNCTION_REACH: f64 = 1.5;
 /// Offsets of the closed hinge points: along the normal of the slit that passes the hinge's corner, towards the
 /// edge's other end. Zero where no slit passes.
 ///
-/// Half the gap, and where slits meet at angles so much more ([`junction_radius`]) that each ligament there has a
+/// Half the gap, and where slits meet at angles so much more (`junction_radius`) that each ligament there has a
 /// straight cut behind it, as everywhere else.
 pub fn hinge_offsets(mesh: &PieceMesh, corners: &[Point3], gap: f64) -> Vec<Vector3> {
     let normals: Vec<Vector3> =

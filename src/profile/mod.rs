@@ -1,7 +1,7 @@
 //! Profiles: material, sheet, cutting process and ligament in one TOML file each (`profiles/*.toml`).
 //!
 //! Keys carry their unit as a suffix; inside the program lengths are millimetres, stresses megapascals (N/mm²),
-//! angles radians. A profile file is version 1 of this layout; [`load`] finds, reads and checks it. The same files
+//! angles radians. A profile file is version 1 of this layout; [`load()`] finds, reads and checks it. The same files
 //! are embedded in the program, and one in the folder `profiles` of the working directory goes before an embedded
 //! one of the same name.
 

@@ -4,7 +4,7 @@
 //! to the diagonal, and changes with the ratio of actual to predicted decrease. The number of attempts per
 //! iteration is bounded, and an energy that is not finite never counts as progress.
 //!
-//! A [`Report`] and the point it belongs to are the whole state of a minimisation: [`go_on`] continues an
+//! A [`Report`] and the point it belongs to are the whole state of a minimisation: [`System::go_on`] continues an
 //! interrupted one with the very same steps.
 
 use std::ops::ControlFlow;

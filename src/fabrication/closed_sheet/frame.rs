@@ -178,8 +178,8 @@ fn spread(
     if spread.iter().any(|&wall| wall < LEAST_SPREAD) {
         return Ok([0.0; 2]);
     }
-    // Walls that are k apart at one face and twice as much at the other are 1.5 k apart at mid-plane.
-    let (width, limit) = (spread[0] + spread[1], 0.5 * profile.cut.kerf);
+    // Two passes whose centre lines are farther apart than they are wide leave a core between them at mid-plane.
+    let (width, limit) = (spread[0] + spread[1], profile.cut.kerf);
     if width > limit { Err([width, limit]) } else { Ok(spread) }
 }
 

@@ -139,7 +139,7 @@ fn window_groups(order: &[CutPath]) -> Vec<Vec<Point>> {
 const MOST_ASCENDED: usize = 1200;
 
 /// A bound that is nearer to the truth than the tree of [`travel`], of all orders with windows after all open cuts and borders
-/// last, millimetres: [`ascent::ascent`]. `None` where there are too many open cuts, or none.
+/// last, millimetres: Held and Karp's ascent. `None` where there are too many open cuts, or none.
 pub fn least_way(order: &[CutPath], found: Travel) -> Option<f64> {
     let open: Vec<&CutPath> =
         order.iter().filter(|path| matches!(path.kind, CutKind::Slit | CutKind::Relief)).collect();

@@ -93,7 +93,7 @@ impl BistableCell {
 
     /// The model of a cell with other sides A and B and other stretches, the rectangle in proportion: what Eq. (2) leaves
     /// free is chosen so that the rectangle keeps its part of the cell's area, or is as near to that as necks of
-    /// [`LEAST_NECK_IN_GAPS`] allow.
+    /// three gaps allow.
     pub fn restretched(&self, cell: [f64; 2], stretches: [f64; 2]) -> Self {
         // Half of Eq. (2): b sin(phi) and a sin(phi). A cell that hardly opens keeps a small angle.
         let stretches = stretches.map(|m| m.max(1.0 + LEAST_OPENING));

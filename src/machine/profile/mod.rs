@@ -1,6 +1,6 @@
 //! Machines: kinematics, limits, set-up and controller, one TOML file each (`profiles/machines/*.toml`).
 //!
-//! A machine file is version 1 of this layout; [`load`] finds, reads and checks it as
+//! A machine file is version 1 of this layout; [`load()`] finds, reads and checks it as
 //! [`crate::profile::load`] does a material's. Inside, lengths are millimetres, angles radians, speeds
 //! millimetres or radians per minute.
 
