@@ -21,6 +21,7 @@ mod results;
 mod verify;
 mod verify_mill;
 mod snap;
+mod setup_sheet;
 mod solids;
 
 use std::ffi::OsString;

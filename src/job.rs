@@ -25,6 +25,7 @@ mod bistable;
 mod cut;
 
 mod guide;
+mod machine;
 
 mod read;
 

@@ -96,6 +96,27 @@ fn check_milled_by_others(folder: &Path) {
     }
 }
 
+/// What is left to do after a broken tool is a program of its own.
+fn check_rest(folder: &Path) {
+    let arguments = [
+        "fabricate",
+        "out",
+        "-p",
+        "nylon-6-5mm",
+        "--sheet-mm",
+        "160",
+        "160",
+        "--from-run",
+        "9",
+        "-o",
+        "rest",
+    ];
+    let rest = run(folder, arguments);
+    assert_eq!(rest.status, 0, "{}", rest.stderr);
+    assert_eq!(read(&folder.join("rest/hinges.json"))["mill"]["first_run"], 8);
+    assert_eq!(run(folder, ["verify", "rest"]).status, 0);
+}
+
 #[test]
 fn a_bistable_cap_is_milled_on_every_machine() {
     let (folder, done) = made("cap", &job(BISTABLE, "profile = \"nylon-6-5mm\""));
@@ -134,24 +155,7 @@ fn a_bistable_cap_is_milled_on_every_machine() {
     check_milled_by_others(&folder);
     let verified = run(&folder, ["verify", "out"]);
     assert_eq!(verified.status, 0, "{}", verified.stderr);
-    // The rest after a broken tool.
-    let arguments = [
-        "fabricate",
-        "out",
-        "-p",
-        "nylon-6-5mm",
-        "--sheet-mm",
-        "160",
-        "160",
-        "--from-run",
-        "9",
-        "-o",
-        "rest",
-    ];
-    let rest = run(&folder, arguments);
-    assert_eq!(rest.status, 0, "{}", rest.stderr);
-    assert_eq!(read(&folder.join("rest/hinges.json"))["mill"]["first_run"], 8);
-    assert_eq!(run(&folder, ["verify", "rest"]).status, 0);
+    check_rest(&folder);
     for machine in kirimorph::machine::names() {
         let out = format!("out-{machine}");
         let arguments =

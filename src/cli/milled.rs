@@ -7,9 +7,7 @@ use super::results::Results;
 use crate::fabrication::plan::CutOptions;
 use crate::fabrication::product::Product;
 use crate::machine::{Header, Machine};
-use crate::milling::path::CLEARANCE;
 use crate::milling::sweep::Figures;
-use crate::milling::toolpath::Contour;
 use crate::pipeline::Clock;
 use crate::pipeline::mill::{Milled, Order, mill};
 use crate::profile::Tool;
@@ -48,7 +46,8 @@ pub fn milled(
     milled.map(Some).map_err(|error| Failure::NotMakeable(error.to_string()))
 }
 
-fn tool_words(tool: &Tool, diameter: f64) -> String {
+/// The tool in words.
+pub fn tool_words(tool: &Tool, diameter: f64) -> String {
     let flutes = if tool.flutes == 1.0 { "1 flute".to_owned() } else { format!("{} flutes", tool.flutes) };
     format!("{diameter} mm, {flutes}, edges {} mm long, out {} mm", tool.flute_length, tool.stickout)
 }
@@ -103,103 +102,8 @@ pub fn lines((milled, machine): (&Milled, &Machine)) -> String {
     )
 }
 
-/// Hours and minutes.
-fn time(seconds: f64) -> String {
+/// Hours and minutes, in words.
+pub fn time(seconds: f64) -> String {
     let minutes = (seconds / 60.0).round() as u64;
     if minutes >= 60 { format!("{} h {} min", minutes / 60, minutes % 60) } else { format!("{minutes} min") }
-}
-
-/// `setup.txt`: what the person at the machine needs to know.
-pub fn setup(milled: &Milled, results: &Results, machine: &Machine) -> String {
-    let (profile, stats) = (results.profile, &milled.program.stats);
-    let Some(tool) = &profile.tool else { return String::new() };
-    let path = &milled.planned.path;
-    let deepest =
-        path.runs.iter().flat_map(|run| &run.blocks).map(|block| block.to.tip.z).fold(0.0, f64::min);
-    let borders = path.runs.iter().filter(|run| run.contour == Contour::Border).count();
-    let files: Vec<&str> = milled.program.files.iter().map(|(name, _)| name.as_str()).collect();
-    let [low, high] = stats.bounds;
-    let tilt = machine.setup.fixture.angle().to_degrees();
-    let mut text =
-        format!("Set-up sheet: {}, profile {}, machine {}\n\n", results.name, profile.name, machine.name);
-    let mut row = |label: &str, value: String| text += &format!("{label:<14} {value}\n");
-    row("Program", files.join(", "));
-    let sheet = &profile.sheet;
-    row(
-        "Stock",
-        format!("{}, {} x {} x {} mm", profile.material.name, sheet.width, sheet.height, sheet.thickness),
-    );
-    row("Zero", "lower left corner of the stock, on top of it; x along its lower edge".to_owned());
-    row("Tool", format!("T{}: {}", machine.setup.tool_number, tool_words(tool, profile.cut.kerf)));
-    row(
-        "",
-        format!("{} turns/min clockwise, {} mm/min, down {} mm/min", tool.spindle, tool.feed, tool.plunge),
-    );
-    row(
-        "Wedge",
-        if tilt > 0.0 {
-            format!("{tilt:.2} degrees under the stock")
-        } else {
-            "none, the stock lies flat".to_owned()
-        },
-    );
-    row("Cuts in", format!("x {:.1} to {:.1}, y {:.1} to {:.1} mm", low.x, high.x, low.y, high.y));
-    row(
-        "Spoilboard",
-        format!(
-            "the tip goes {:.2} mm below the stock: at least {:.1} mm thick",
-            -deepest - sheet.thickness,
-            2.0 - deepest - sheet.thickness
-        ),
-    );
-    row(
-        "Workholding",
-        "vacuum or tape over the whole area; no clamp within the cuts and the holder's reach".to_owned(),
-    );
-    let last = if borders == 1 { "the border".to_owned() } else { format!("{borders} borders") };
-    row("Order", format!("{} openings, then {last}", stats.runs - borders));
-    row(
-        "Comes loose",
-        match milled.figures.loose {
-            0 => "nothing before the border".to_owned(),
-            count => format!("{count} scraps of windows, before the border: take them out at a stop"),
-        },
-    );
-    row(
-        "Tabs",
-        format!(
-            "{} of {} x {} mm: cut them by hand",
-            milled.planned.tabs.len(),
-            tool.tab_width,
-            tool.tab_height
-        ),
-    );
-    row(
-        "Height",
-        format!(
-            "{CLEARANCE} mm above the stock before and after each cut, {} mm between",
-            machine.setup.safe_height
-        ),
-    );
-    row(
-        "Time",
-        format!(
-            "{} ({} of it cutting), without acceleration",
-            time(stats.cut_seconds + stats.air_seconds),
-            time(stats.cut_seconds)
-        ),
-    );
-    text += "\nAfter a broken tool begin again at the run that it broke in: kirimorph fabricate . --from-run RUN writes the rest.\n";
-    for restart in &stats.restarts {
-        let start = path.runs[restart.run].start.tip;
-        text += &format!(
-            "  run {:>4}  {} line {:>7}  at x {:.2}, y {:.2}\n",
-            restart.run + 1,
-            files[restart.file],
-            restart.line,
-            start.x,
-            start.y
-        );
-    }
-    text
 }

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use super::{Failure, milled};
+use super::{Failure, milled, setup_sheet};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
 use crate::fabrication::notes::applied_words;
@@ -292,6 +292,10 @@ impl Results<'_> {
             title: self.name,
             profile: &profile.name,
             target: self.target,
+            made_from: match self.extras.milled {
+                Some(_) => "the mill runs the program",
+                None => "cut cut.dxf or cut.svg",
+            },
             figures: self.figures,
         };
         out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
@@ -312,7 +316,7 @@ impl Results<'_> {
         let stock = [self.profile.sheet.width, self.profile.sheet.height];
         let drawn = toolpath_svg::Picture { planned: &milled.planned, stock, notes: comments };
         out.write::<WriteError>(picture, |file| Ok(toolpath_svg::write(&drawn, file)?))?;
-        let text = milled::setup(milled, self, machine);
+        let text = setup_sheet::setup(milled, self, machine);
         out.write::<WriteError>(setup, |file| Ok(file.write_all(text.as_bytes())?))
     }
 

@@ -9,13 +9,12 @@ use toml::Spanned;
 use super::bistable::{bistable, only_bistable};
 use super::cut::cut_options;
 use super::guide::{RawGuide, guides};
+use super::machine::machine;
 use super::solver::{RawSolver, solver};
 use super::{
-    Boundary, Cuts, DEFAULT_MACHINE, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern,
-    PatternFile, PieceSize, Reading, Shape, Target, Units,
+    Boundary, Cuts, DxfVersion, Fabrication, Grid, Job, JobError, Kind, Opening, Pattern, PatternFile,
+    PieceSize, Reading, Shape, Target, Units,
 };
-use crate::machine::profile::MachineFileError;
-use crate::machine::{self, Machine};
 use crate::profile::{self, KERF, Process, Profile, ProfileError, SHEET_SIDE, TOOL_RADIUS};
 use crate::toml_source::{Limits, TomlError, TomlSource};
 
@@ -91,7 +90,7 @@ pub(super) struct RawFabrication {
     sheet_mm: Option<Pair<f64>>,
     kerf_mm: Option<Spanned<f64>>,
     process: Option<Spanned<String>>,
-    machine: Option<Spanned<String>>,
+    pub machine: Option<Spanned<String>>,
     dxf: Option<Spanned<String>>,
     pub copies: Option<Spanned<i64>>,
     pub spacing_mm: Option<Spanned<f64>>,
@@ -337,34 +336,6 @@ fn fabrication(source: &TomlSource, raw: &RawFabrication, folder: &Path) -> Resu
         profile.cut.ruled &= machine.follows_axes();
     }
     Ok(Fabrication { profile, dxf, cut, machine })
-}
-
-/// The machine of a sheet that is milled.
-fn machine(
-    source: &TomlSource,
-    raw: &RawFabrication,
-    folder: &Path,
-    profile: &Profile,
-) -> Result<Option<Machine>, JobError> {
-    let faulty = |fault| JobError::Machine { file: source.file.to_owned(), source: fault };
-    match (&raw.machine, profile.process) {
-        (None, Process::Laser) => Ok(None),
-        (Some(name), Process::Laser) => {
-            let what = format!("not for the profile {}, which is for a laser", profile.name);
-            Err(source
-                .value_error(name.span(), &what, "leave the key out, or take a profile for milling")
-                .into())
-        }
-        (None, Process::Milling) => machine::load(DEFAULT_MACHINE, folder).map(Some).map_err(faulty),
-        (Some(name), Process::Milling) => match machine::load(name.get_ref(), folder) {
-            Ok(machine) => Ok(Some(machine)),
-            Err(MachineFileError::UnknownName { known, .. }) => {
-                let help = format!("there are {}; or give the path of a TOML file", known.join(", "));
-                Err(source.value_error(name.span(), "not the name of a machine", help).into())
-            }
-            Err(fault) => Err(faulty(fault)),
-        },
-    }
 }
 
 pub(super) fn dxf_version(source: &TomlSource, raw: &RawFabrication) -> Result<DxfVersion, TomlError> {

@@ -331,7 +331,14 @@ fn machines_are_for_milling_and_three_axes_leave_walls_upright() {
     let found = folder.diagnostic(&with("dxf", "machine = \"linuxcnc-xyz\""));
     assert_eq!(found.key, "fabrication.machine");
     assert!(found.message.contains("is for a laser"), "{found}");
-    let milled = |line: &str| with("profile", &format!("profile = \"nylon-6-5mm\"\n{line}"));
+    let milled = |line: &str| {
+        let laser = ["process = ", "kerf_mm = "];
+        let job = with("profile", &format!("profile = \"nylon-6-5mm\"\n{line}"));
+        job.lines()
+            .filter(|line| !laser.iter().any(|key| line.starts_with(key)))
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
     let job = folder.read(&milled("")).unwrap();
     assert_eq!(job.fabrication.machine.map(|machine| machine.name).as_deref(), Some(DEFAULT_MACHINE));
     assert!(job.fabrication.profile.cut.ruled);

@@ -30,6 +30,8 @@ pub fn walls(profile: &Profile) -> Walls {
 pub struct Milled {
     /// The path and its tabs.
     pub planned: Planned,
+    /// The tool, with the job's tabs.
+    pub tool: Tool,
     /// The program's files, and what they take.
     pub program: Program,
     /// What the program leaves, as it was read back.
@@ -104,7 +106,7 @@ pub fn mill(order: &Order, header: &Header) -> Result<Milled, MillError> {
     if !findings.is_empty() {
         return Err(MillError::Unsafe(findings));
     }
-    Ok(Milled { planned, program, figures })
+    Ok(Milled { planned, tool: *tool, program, figures })
 }
 
 /// A part as often as it is made.
