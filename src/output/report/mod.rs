@@ -238,9 +238,15 @@ fn cut(report: &CutReport, profile: &Profile) -> Vec<(&'static str, String)> {
         ),
         ("groove", format!("{} mm wide, already applied", report.kerf)),
         ("copies", report.copies.len().to_string()),
+        ("length of the cuts", format!("{:.2} m", 1e-3 * report.length)),
+    ];
+    // What a mill does besides, its own lines tell.
+    if profile.process == Process::Milling {
+        return rows;
+    }
+    rows.extend([
         ("passes", report.passes.to_string()),
         ("cuts", report.cuts.to_string()),
-        ("length of the cuts", format!("{:.2} m", 1e-3 * report.length)),
         ("way between them", format!("{:.2} m", 1e-3 * report.travel.length)),
         (
             "slits begin",
@@ -249,7 +255,7 @@ fn cut(report: &CutReport, profile: &Profile) -> Vec<(&'static str, String)> {
                 Pierce::MidSlit => "away from ligaments".to_owned(),
             },
         ),
-    ];
+    ]);
     if let Some(times) = &report.times {
         rows.extend([
             ("time, about", seconds(times.total())),
