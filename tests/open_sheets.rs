@@ -316,6 +316,7 @@ fn an_open_sheet_has_its_preview_and_drawing() {
         title: "steps",
         profile: &profile.name,
         target: "flat",
+        made_from: "cut cut.dxf",
         figures: &figures,
     };
     let mut bytes = Vec::new();

@@ -45,8 +45,14 @@ fn sheet(mesh: &TriMesh) -> Fabrication {
 fn page(fabrication: &Fabrication) -> Result<String, WritePreviewError> {
     let figures = vec![("largest strain".to_string(), "39 % <of> \"all\"".to_string())];
     let title = "cap & <dome> \u{1} 'one'";
-    let preview =
-        Preview { fabrication, title, profile: "steel-304-0.5mm", target: "cap.obj", figures: &figures };
+    let preview = Preview {
+        fabrication,
+        title,
+        profile: "steel-304-0.5mm",
+        target: "cap.obj",
+        made_from: "cut cut.dxf",
+        figures: &figures,
+    };
     let mut bytes = Vec::new();
     let result = preview::write(&preview, &mut bytes);
     assert!(result.is_ok() || bytes.is_empty(), "a refused sheet leaves nothing behind");

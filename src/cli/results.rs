@@ -240,6 +240,10 @@ impl Results<'_> {
             title: self.name,
             profile: &profile.name,
             target: self.target,
+            made_from: match self.extras.milled {
+                Some(_) => "the mill runs the program",
+                None => "cut cut.dxf or cut.svg",
+            },
             figures: self.figures,
         };
         out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))

@@ -42,6 +42,8 @@ pub struct Preview<'a> {
     pub profile: &'a str,
     /// The target's name.
     pub target: &'a str,
+    /// What the sheet is made from instead of this picture.
+    pub made_from: &'a str,
     /// Key figures: label and value with its unit, in the order of importance.
     pub figures: &'a [(String, String)],
 }
@@ -115,8 +117,8 @@ pub fn write<W: Write>(preview: &Preview<'_>, mut out: W) -> Result<(), WritePre
         simplified: preview.fabrication.design.pieces.len() > DETAILED_PIECES,
     };
     let subtitle = format!(
-        "target {}   |   profile {}   |   a picture to look at, not to cut from: cut cut.dxf or cut.svg",
-        preview.target, preview.profile
+        "target {}   |   profile {}   |   a picture to look at, not to cut from: {}",
+        preview.target, preview.profile, preview.made_from
     );
     let document = empty_page(preview.title)
         .add(header(preview.title, &subtitle, &preview.fabrication.hinges))

@@ -154,7 +154,7 @@ def main():
         json.dumps(
             {
                 "files": sorted(path.name for path in folder.iterdir()),
-                "xml": [ElementTree.parse(folder / name).getroot().tag for name in ("cut.svg", "preview.svg")],
+                "xml": [ElementTree.parse(path).getroot().tag for path in sorted(folder.glob("*.svg"))],
                 "csv_rows": len(rows) - 1,
                 "hinges": len(report["hinges"]),
                 "verdicts": Counter(row["verdict"] for row in report["hinges"]),

@@ -128,7 +128,7 @@ pub fn panel(scene: &Scene, area: Rect) -> Group {
         .add(enlarged(scene, corner, closed))
         .add(opened_corner::picture(scene, corner, opened))
         .add(line(closed.x0, 1.0, &format!("As cut: square A of picture 1{place}.")))
-        .add(line(closed.x0, 2.0, "Green: ligaments, W x L. White: burned."))
+        .add(line(closed.x0, 2.0, "Green: ligaments, W x L. White: cut away."))
         .add(line(opened.x0, 1.0, turned_caption))
         .add(line(opened.x0, 2.0, "plane, ligaments bend sideways, nothing folds."))
 }

@@ -113,9 +113,10 @@ pub fn piece_legend(does: &str, senses: &[Sense], area: Rect) -> Group {
     let mut group = heading(area, &format!("Pieces, as the sheet {does}, turn"));
     let kinds = [Sense::CounterClockwise, Sense::Clockwise, Sense::Still];
     let shown: Vec<Sense> = kinds.into_iter().filter(|kind| senses.contains(kind)).collect();
+    let spread = if shown.len() > 2 { 0.35 } else { 1.5 };
     for (i, &sense) in shown.iter().enumerate() {
-        let at = row(area, i) + Vec2::new(0.0, 1.5 * i as f64);
-        let swatch = Rect::new(at.x, at.y - 4.4, at.x + 9.0, at.y + 1.2);
+        let at = row(area, i) + Vec2::new(0.0, spread * i as f64);
+        let swatch = Rect::new(at.x, at.y - 3.6 - 0.5 * spread, at.x + 9.0, at.y + 1.2);
         group = group
             .add(
                 rectangle(swatch, &colour(sense.tone())).set("stroke", "#555555").set("stroke-width", "0.15"),
@@ -123,7 +124,7 @@ pub fn piece_legend(does: &str, senses: &[Sense], area: Rect) -> Group {
             .add(turn_arrow(swatch.center(), 1.5, sense, 0.35))
             .add(text(Point::new(at.x + 11.0, at.y - 0.6), SIZE, sense_name(sense)));
     }
-    let at = row(area, shown.len()) + Vec2::new(0.0, 1.3 * shown.len() as f64);
+    let at = row(area, shown.len()) + Vec2::new(0.0, 0.9 * spread * shown.len() as f64);
     group.add(rectangle(Rect::new(at.x, at.y - 2.8, at.x + 9.0, at.y + 0.4), "#8a8a8a")).add(text(
         Point::new(at.x + 11.0, at.y),
         SIZE,
@@ -139,7 +140,7 @@ fn cut_legend(scene: &Scene, area: Rect) -> Group {
         (CutKind::Window, "windows (layer WINDOW)"),
         (CutKind::Border, "border, cut last (layer BORDER)"),
     ];
-    let mut group = heading(area, "Cuts, kerf already applied:");
+    let mut group = heading(area, "Cuts, their width already applied:");
     let present =
         kinds.into_iter().map(|(kind, name)| (kind, name, paths.iter().filter(|p| p.kind == kind).count()));
     for (i, (kind, name, count)) in present.filter(|(.., count)| *count > 0).enumerate() {
