@@ -20,6 +20,10 @@ use crate::fabrication::layout::CutKind;
 use crate::fabrication::states::sheet_vertices;
 use crate::kirigami::design::{PatternKind, State};
 
+/// How far outside of a side at the border its cut may run, in lengths of the side: it bridges the kinks between sides, which are
+/// sharp where the pieces are those of a control mesh.
+const BRIDGED: f64 = 0.3;
+
 /// Largest distance between a cut and the piece's side along which it runs, on an open sheet, millimetres.
 const DEVIATION: f64 = 0.02;
 /// The same on a closed sheet, in distances of the two hinges at a corner: slits that bend at their corners are led
@@ -98,7 +102,7 @@ fn sides(wanted: Wanted) -> Vec<Side> {
                 Some(&(other, k)) if closed => {
                     ([own[0].midpoint(flat(other, k + 1)), own[1].midpoint(flat(other, k))], 0.0)
                 }
-                None if closed => (own, 0.5 * profile.hinge_gap()),
+                None if closed => (own, 0.5 * profile.hinge_gap() + BRIDGED * own[0].distance(own[1])),
                 _ => (own, 0.0),
             };
             sides.push(Side { piece, other, ends, outside });

@@ -127,7 +127,7 @@ pub fn corner_frames(
             let reason = "the far ends of its edges coincide: the design has collapsed there";
             return Err(corner_error(design, corner, reason));
         }
-        let place = (middle(design, corner), normal);
+        let place = (passed(design, topology, corner, kind, normal), normal);
         let spread = spread(design, topology, (kind, place), lengths, profile).map_err(|[width, limit]| {
             let reason = format!(
                 "the slit that passes its two hinges is {width:.3} mm wider than the tool, at most {limit:.3} mm can be \
@@ -142,6 +142,19 @@ pub fn corner_frames(
         Ok(CornerFrame { middle: place.0, kind, normal, tangent, spread, shift })
     };
     topology.fans.iter().enumerate().map(frame_at).collect()
+}
+
+/// Where a slit passes a corner. At a concave corner the vertex of the third piece is free and need not stand opposite the
+/// hinge: there the slit keeps its distance from the hinge point.
+fn passed(design: &Design, topology: &Topology, corner: usize, kind: CornerKind, normal: Vec2) -> Point {
+    let at = middle(design, corner);
+    match kind {
+        CornerKind::Concave { hinged, .. } => {
+            let hinge = vertex_at(design, topology, corner, hinged);
+            hinge.map_or(at, |hinge| hinge - hinge.distance(at) * normal)
+        }
+        _ => at,
+    }
 }
 
 /// How far the ligament on an edge stands off its hinge point.
@@ -287,9 +300,8 @@ fn directions(
             (normal, towards(normal.turn_90(), along))
         }
         CornerKind::Concave { hinged, exit, in_line_leaves } => {
-            let in_line = if in_line_leaves { 0 } else { last };
-            // The vertex of the third piece is free, and need not stand opposite.
-            let normal = gap_normal(design, topology, corner, hinged, None)
+            let (in_line, other) = if in_line_leaves { (0, last) } else { (last, 0) };
+            let normal = gap_normal(design, topology, corner, hinged, Some(fan.edges[other]))
                 .unwrap_or_else(|| chord_normal(fan.edges[in_line], exit, hinged));
             (normal, towards(normal.turn_90(), far(exit) - at))
         }
@@ -298,6 +310,13 @@ fn directions(
 
 fn towards(direction: Vec2, guide: Vec2) -> Vec2 {
     if direction.dot(guide) < 0.0 { -direction } else { direction }
+}
+
+/// The closed vertex at a corner of the piece to the left of an edge.
+fn vertex_at(design: &Design, topology: &Topology, corner: usize, edge: usize) -> Option<Point> {
+    let piece = &design.pieces[topology.edges[edge].left];
+    let vertex = piece.corners.iter().position(|&c| c == corner)?;
+    Some(Point::new(piece.closed[vertex].x, piece.closed[vertex].y))
 }
 
 /// Unit vector between the closed vertices of the pieces at two edges of a corner, from `below`'s (without one from the
@@ -309,16 +328,11 @@ fn gap_normal(
     above: usize,
     below: Option<usize>,
 ) -> Option<Vec2> {
-    let vertex = |edge: usize| {
-        let piece = &design.pieces[topology.edges[edge].left];
-        let vertex = piece.corners.iter().position(|&c| c == corner)?;
-        Some(Vec2::new(piece.closed[vertex].x, piece.closed[vertex].y))
-    };
     let below = match below {
-        Some(edge) => vertex(edge)?,
-        None => middle(design, corner).to_vec2(),
+        Some(edge) => vertex_at(design, topology, corner, edge)?,
+        None => middle(design, corner),
     };
-    let gap = vertex(above)? - below;
+    let gap = vertex_at(design, topology, corner, above)? - below;
     // A nanometre: rounding noise of coordinates below a metre is a thousand times smaller.
     (gap.length() > 1e-6).then(|| gap.normalize())
 }

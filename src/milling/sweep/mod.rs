@@ -3,7 +3,7 @@
 //! Nothing of the walks and centre lines that made the program is known here. At several heights through the sheet every
 //! move is cut to the line that the tool's axis draws there ([`section`]); a tilted cylinder's section is an ellipse that
 //! reaches R sqrt(1 + s^2) from that line where the axis leans by s. Held against it are the walls of `part.stl` and the
-//! hinges' axes at that height ([`slice`]); what needs no material, such as speeds and heights, is looked at move by move
+//! hinges' axes at that height ([`mod@slice`]); what needs no material, such as speeds and heights, is looked at move by move
 //! ([`moves`]).
 //!
 //! Frame: the program's; x and y as on the sheet, z = 0 on top of the stock. The part's own z = 0 is its mid-plane.
