@@ -99,6 +99,7 @@ pub fn run(
         .collect();
     let wanted = Wanted {
         part: &part,
+        copies: sheet.copies.len(),
         necks: &necks,
         stock: [profile.sheet.width, profile.sheet.height],
         thickness: profile.sheet.thickness,

@@ -59,6 +59,7 @@ impl Milled {
     fn inspected(&self, moves: &[Move], radius: f64) -> (Figures, Vec<Finding>) {
         let wanted = Wanted {
             part: &self.part,
+            copies: 1,
             necks: &self.necks,
             stock: self.sheet.layout.sheet,
             thickness: THICKNESS,

@@ -95,6 +95,7 @@ pub fn mill(order: &Order, header: &Header) -> Result<Milled, MillError> {
         sheet.hinges.iter().map(|row| Neck::new(row, walls(profile) == Walls::Vertical)).collect();
     let wanted = Wanted {
         part: &copied(part, copies),
+        copies: copies.len(),
         necks: &necks.iter().flat_map(|neck| copies.iter().map(|by| neck.moved(*by))).collect::<Vec<_>>(),
         stock: sheet.layout.sheet,
         thickness: profile.sheet.thickness,

@@ -1,15 +1,17 @@
-"""Mills a part on paper from poses of the tool and compares it with its solid: milled.py POSES PART RADIUS THICKNESS WEDGE
+"""Mills a part on paper from poses of the tool and compares it with its solid: milled.py POSES FOLDER RADIUS THICKNESS WEDGE
 
-POSES: lines "x y z i j k r|f speed" on the table, as rs274_poses.py prints them. PART: an STL file with mid-plane z = 0. WEDGE:
+POSES: lines "x y z i j k r|f speed" on the table, as rs274_poses.py prints them. FOLDER: part.stl with mid-plane z = 0, and hinges.json with the
+tabs. WEDGE:
 degrees by which the stock is turned about the table's y through the program's zero, which is on top of it. Nothing here comes from
 the program under test: sections of the tool are strips of shapely about the line of its axis. Prints one line of JSON: per height
-the widest strip of the part that the tool takes, the largest distance of the part's boundary from what it takes (outside of the
-bounding box's neighbourhood, where tabs are), and the number of bodies of the part's section.
+the widest strip of the part that the tool takes, the largest distance of the part's boundary from what it takes (outside of
+tabs), and the number of bodies of the part's section.
 """
 
 import json
 import math
 import sys
+from pathlib import Path
 
 import numpy as np
 import shapely
@@ -17,7 +19,7 @@ import trimesh
 
 from solids import region
 
-poses_file, part_file = sys.argv[1:3]
+poses_file, folder = sys.argv[1], Path(sys.argv[2])
 radius, thickness, wedge = map(float, sys.argv[3:6])
 
 rows = [line.split() for line in open(poses_file) if line.strip()]
@@ -27,9 +29,9 @@ c, s = math.cos(math.radians(-wedge)), math.sin(math.radians(-wedge))
 turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 tips, axes = poses[:, :3] @ turn.T, poses[:, 3:] @ turn.T
 
-part = trimesh.load(part_file, process=False)
-low, high = part.bounds
-inner = shapely.box(low[0] + 4.0, low[1] + 4.0, high[0] - 4.0, high[1] - 4.0)
+part = trimesh.load(folder / "part.stl", process=False)
+tabs = json.loads((folder / "hinges.json").read_text())["mill"]["tabs"]
+bridges = shapely.union_all([shapely.Point(tab["at_mm"]).buffer(tab["reach_mm"]) for tab in tabs])
 
 
 def swept(z):
@@ -55,7 +57,7 @@ for part_of in (0.02, 0.5, 0.98):
     while depth < 0.2 and not lost.buffer(-0.5 * (depth + 0.001)).is_empty:
         depth += 0.001
     shapely.prepare(taken)
-    rim = shapely.intersection(solid.boundary, inner)
+    rim = shapely.difference(solid.boundary, bridges)
     points = shapely.get_coordinates(shapely.segmentize(rim, 0.5))
     left = float(shapely.distance(shapely.points(points), taken).max())
     found.append({"z": z, "lost_mm": depth, "left_mm": left, "bodies": len(getattr(solid, "geoms", [solid]))})

@@ -25,7 +25,7 @@ pub struct Bodies {
 pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
     let z = -0.5 * wanted.thickness;
     let mut all = sections(moves, z, wanted.radius, Counted::Touched);
-    let end = border_begins(&all, wanted);
+    let end = border_begins(moves, &all, wanted);
     all.truncate(end);
     let grooves = stroke(chains(&all), 2.0 * wanted.radius, false);
     let [width, height] = wanted.stock;
@@ -63,34 +63,39 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
     Bodies { bodies: count, loose: bodies.len().saturating_sub(count), findings }
 }
 
-/// The first of the sections whose tool runs along the part's outer contour away from its hinges and grooves: the
-/// last stretch of moves that all lie outside of the part's outer contour.
-fn border_begins(all: &[Section], wanted: &Wanted) -> usize {
-    let (mut low, mut high) =
-        (Point::new(f64::INFINITY, f64::INFINITY), Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY));
-    for corner in &wanted.part.vertices {
-        low = Point::new(low.x.min(corner.x), low.y.min(corner.y));
-        high = Point::new(high.x.max(corner.x), high.y.max(corner.y));
-    }
-    // Leaning walls stand out at one face.
-    let of = Rect::from_points(low, high).inset(-0.5 * wanted.thickness);
+/// Where the last runs begin, those that go around a whole part: a run is all that the tool does between two times above the
+/// stock.
+fn border_begins(moves: &[Move], all: &[Section], wanted: &Wanted) -> usize {
+    let mut run = 0;
+    let runs: Vec<usize> = moves
+        .iter()
+        .map(|a_move| {
+            run += usize::from(a_move.from.tip.z.min(a_move.to.tip.z) > 0.0);
+            run
+        })
+        .collect();
+    let size = wanted.part.vertices.len().div_ceil(wanted.copies.max(1)).max(1);
+    let parts: Vec<Rect> = wanted
+        .part
+        .vertices
+        .chunks(size)
+        .map(|part| box_of(part.iter().map(|p| Point::new(p.x, p.y))).inset(-0.5 * wanted.thickness))
+        .collect();
     let mut end = all.len();
-    // Runs, from the last: a border's sections reach the box of the part's contour on all four sides.
-    while end > 0 {
-        let start = (0..end).rev().find(|&i| !all[i].goes_on).unwrap_or(0);
-        let mut low = Point::new(f64::INFINITY, f64::INFINITY);
-        let mut high = Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY);
-        for point in all[start..end].iter().flat_map(|section| section.ends) {
-            low = Point::new(low.x.min(point.x), low.y.min(point.y));
-            high = Point::new(high.x.max(point.x), high.y.max(point.y));
+    for sections in all.chunk_by(|a, b| runs[a.step] == runs[b.step]).rev() {
+        let around = box_of(sections.iter().flat_map(|section| section.ends));
+        // Leaning walls stand out at one face, so the parts' boxes were taken smaller.
+        if !parts.iter().any(|part| around.contains(part.origin()) && around.union(*part) == around) {
+            break;
         }
-        let encloses = low.x < of.x0 && low.y < of.y0 && high.x > of.x1 && high.y > of.y1;
-        if !encloses {
-            return end;
-        }
-        end = start;
+        end -= sections.len();
     }
-    0
+    end
+}
+
+fn box_of(points: impl Iterator<Item = Point>) -> Rect {
+    let start = Rect::new(f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    points.fold(start, |all, p| Rect::new(all.x0.min(p.x), all.y0.min(p.y), all.x1.max(p.x), all.y1.max(p.y)))
 }
 
 /// Sections that go on from one another, as lines.

@@ -91,6 +91,8 @@ impl Neck {
 pub struct Wanted<'a> {
     /// The finished part, in the sheet's frame.
     pub part: &'a TriMesh,
+    /// How many copies of it that is, one after the other.
+    pub copies: usize,
     /// Its ligaments.
     pub necks: &'a [Neck],
     /// Size of the stock in x and y, millimetres, from the origin.
