@@ -94,7 +94,7 @@ function sortBy(index) {
 function row(position) {
   const id = table.order[position];
   const attributes = { "data-id": id, "aria-rowindex": position + 2, tabindex: position === table.active ? 0 : -1 };
-  if (id === picked) Object.assign(attributes, { class: "picked", "aria-selected": "true" });
+  if (id === picked) Object.assign(attributes, { class: "picked", "aria-current": "true" });
   const cell = (column) => {
     const text = column.text(id);
     if (column.kind === "verdict") return element("td", { class: text }, text);
