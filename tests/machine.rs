@@ -4,7 +4,6 @@
 mod peers;
 
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use kirimorph::geometry::Point3;
 use kirimorph::machine::{Header, Machine, Motion, Program, load, post, read};
@@ -65,20 +64,10 @@ fn machine(name: &str) -> Machine {
 
 /// What the interpreter makes of a program, as poses on the part; `None` without interpreter or Python.
 fn heard(name: &str, machine: &Machine, text: &str) -> Option<Vec<Heard>> {
-    let rs274 = peers::rs274()?;
     let mut oracle = peers::oracle("rs274_poses.py")?;
     let folder = peers::fresh_folder(&format!("machine-{name}"));
     std::fs::write(folder.join("mill.ngc"), text).unwrap();
-    // The length stays out: rs274 alone reads the table in inches.
-    std::fs::write(folder.join("tool.tbl"), "T1 P1 Z0 D1\n").unwrap();
-    let ran = Command::new(rs274)
-        .args(["-g", "-t", "tool.tbl", "mill.ngc"])
-        .current_dir(&folder)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap();
-    let canonical = String::from_utf8_lossy(&ran.stdout);
-    assert!(ran.status.success(), "{name}: {canonical}\n{}", String::from_utf8_lossy(&ran.stderr));
+    let canonical = peers::rs274(&folder, "mill.ngc")?;
     assert!(canonical.contains("PROGRAM_END"), "{name} ended early:\n{canonical}");
     std::fs::write(folder.join("canonical"), canonical.as_bytes()).unwrap();
     let kind = name.trim_start_matches("linuxcnc-").trim_end_matches("-no-tcp");

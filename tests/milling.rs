@@ -6,7 +6,6 @@ mod program;
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use program::{Run, run};
 use serde_json::Value;
@@ -56,17 +55,9 @@ fn names(folder: &Path) -> Vec<String> {
 
 /// Poses of the tool on the table as LinuxCNC's interpreter and kinematics have them; `None` without either.
 fn poses(folder: &Path) -> Option<PathBuf> {
-    let rs274 = peers::rs274()?;
     let mut oracle = peers::oracle("rs274_poses.py")?;
-    std::fs::write(folder.join("tool.tbl"), "T1 P1 Z0 D1\n").unwrap();
     let file = |name: &str| std::fs::File::create(folder.join(name)).unwrap();
-    let ran = Command::new(rs274)
-        .args(["-g", "-t", "tool.tbl", "out/mill.ngc"])
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .stdout(file("canonical"))
-        .status();
-    assert!(ran.unwrap().success());
+    std::fs::write(folder.join("canonical"), peers::rs274(folder, "out/mill.ngc")?).unwrap();
     let machine = kirimorph::machine::load("linuxcnc-xyzbc-trt", Path::new(".")).unwrap();
     let rotary = machine.rotary.unwrap();
     let place = |p: kirimorph::geometry::Point3| format!("{},{},{}", p.x, p.y, p.z);

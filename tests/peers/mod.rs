@@ -7,7 +7,7 @@
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// The Python interpreter with the packages of `tests/oracle/requirements.txt`, made by `tests/run`.
 pub fn python() -> Option<PathBuf> {
@@ -26,9 +26,31 @@ pub fn oracle(program: &str) -> Option<Command> {
     Some(command)
 }
 
-/// LinuxCNC's stand-alone interpreter, from the search path.
-pub fn rs274() -> Option<PathBuf> {
-    in_search_path("rs274", "run tests/run as root on Debian, or install LinuxCNC")
+/// What LinuxCNC's stand-alone interpreter, from the search path, makes of a program in a folder: its canonical motions.
+///
+/// Once in some dozens of runs that interpreter ends at its start without a word, whatever the program: then it is asked again.
+/// What it says of a program counts at once.
+pub fn rs274(folder: &Path, program: &str) -> Option<String> {
+    let rs274 = in_search_path("rs274", "run tests/run as root on Debian, or install LinuxCNC")?;
+    // The length stays out: rs274 alone reads the table in inches.
+    std::fs::write(folder.join("tool.tbl"), "T1 P1 Z0 D1\n").unwrap();
+    let mut command = Command::new(rs274);
+    command.args(["-g", "-t", "tool.tbl", program]).current_dir(folder).stdin(Stdio::null());
+    let mut ran = command.output().unwrap();
+    for _ in 0..3 {
+        if ran.status.success() || !ran.stdout.is_empty() || !ran.stderr.is_empty() {
+            break;
+        }
+        ran = command.output().unwrap();
+    }
+    let canonical = String::from_utf8_lossy(&ran.stdout).into_owned();
+    assert!(
+        ran.status.success(),
+        "{program}: {}\n{canonical}\n{}",
+        ran.status,
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    Some(canonical)
 }
 
 fn in_search_path(program: &str, remedy: &str) -> Option<PathBuf> {
