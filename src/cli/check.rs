@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::progress::{Reporter, Reporting};
 use super::{Failure, paint, print};
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::hinge_table::{HingeRow, Verdict, planned_rows};
@@ -16,7 +17,11 @@ pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> R
     let file = design_file(design);
     let design = without_repeated(design_json::read(&file).map_err(Failure::bad_input)?);
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
-    let fabrication = lay_out(&design, &profile).map_err(|reason| {
+    let mut reporter = Reporter::new(&Reporting::default());
+    reporter.say("check: laying the sheet out");
+    let laid_out = lay_out(&design, &profile);
+    drop(reporter);
+    let fabrication = laid_out.map_err(|reason| {
         print("Cannot be laid out; the hinges as they would have to be:\n");
         print(&paint::hinges(&hinge_report::table(&planned_rows(&design, &profile), worst)));
         Failure::NotMakeable(format!("{}: {reason}", file.display()))

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::check::without_repeated;
+use super::progress::{Reporter, Reporting};
 use super::{Failure, interrupt, paint, print};
 use crate::import::{
     CLOSED, CONSTRAINTS, ImportError, Imported, OPEN, Options, Size, Source, import, read_mesh_pair,
@@ -171,7 +172,11 @@ fn improved(
     let gap = profile.map(|profile| gap_for(&imported.design, profile)).transpose()?;
     interrupt::listen();
     let (before, tolerance) = (measure_alone(&imported.design), imported.tolerance);
-    let mut watch = |_: &Progress| interrupt::flow();
+    let mut reporter = Reporter::new(&Reporting::default());
+    let mut watch = |progress: &Progress| {
+        reporter.show(progress);
+        interrupt::flow()
+    };
     let mut clock = Clock::new(&mut watch);
     let (pieces, reports) =
         clock.run("stage-3", |run| improve(&imported.design, &improve::Options { tolerance, gap }, run));
