@@ -262,7 +262,22 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let events = arguments.command.tells_events();
-    let result = match arguments.command {
+    match dispatch(arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let (status, word, message) = failure.parts();
+            if events {
+                events::error(word, &message, status);
+            }
+            anstream::eprintln!("{}: {message}", paint::error(word));
+            ExitCode::from(status)
+        }
+    }
+}
+
+/// Hands a command its options.
+fn dispatch(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Make { job, output, allow_failing_hinges, dry_run, optimisation, reporting } => {
             make::run(&job, output, [allow_failing_hinges, dry_run], &optimisation, &reporting)
         }
@@ -303,17 +318,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             Ok(())
         }
         Command::Man { output } => pages::man(&output),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            let (status, word, message) = failure.parts();
-            if events {
-                events::error(word, &message, status);
-            }
-            anstream::eprintln!("{}: {message}", paint::error(word));
-            ExitCode::from(status)
-        }
     }
 }
 
