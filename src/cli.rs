@@ -14,6 +14,7 @@ mod import;
 mod interrupt;
 mod make;
 mod milled;
+mod morphs;
 mod open_state;
 mod partial;
 mod progress;

@@ -144,6 +144,7 @@ fn a_bistable_cap_is_milled_on_every_machine() {
         "hinges.csv",
         "hinges.json",
         "mill.ngc",
+        "morph.glb",
         "open.stl",
         "part.stl",
         "preview.svg",

@@ -69,11 +69,19 @@ pub fn node(program: &str) -> Option<Command> {
 
 /// The same for a program that drives the browser.
 pub fn browser(program: &str) -> Option<Command> {
-    let remedy = "run tests/run as root on Debian, which sets it up";
-    let chromium = in_search_path("chromium", remedy)?;
-    let modules = present(root().join("target/peers/node/node_modules"), remedy)?;
+    let chromium = in_search_path("chromium", NODE_REMEDY)?;
+    let mut command = packaged(program)?;
+    command.env("CHROMIUM", chromium);
+    Some(command)
+}
+
+const NODE_REMEDY: &str = "run tests/run as root on Debian, which sets it up";
+
+/// The same for a program that uses packages of `tests/oracle/node`.
+pub fn packaged(program: &str) -> Option<Command> {
+    let modules = present(root().join("target/peers/node/node_modules"), NODE_REMEDY)?;
     let mut command = node(program)?;
-    command.env("NODE_PATH", modules).env("CHROMIUM", chromium);
+    command.env("NODE_PATH", modules);
     Some(command)
 }
 
