@@ -43,7 +43,7 @@ pub(super) struct Crowded;
 
 /// Pairs of segments that may meet, for each segment and besides. Cuts of ours have a few; those of a file that goes over its
 /// border a hundred times have so many that neither time nor memory is enough.
-const MOST_MEETING: [usize; 2] = [100, 100_000];
+const MOST_MEETING: [usize; 2] = [10, 100_000];
 
 impl Contacts {
     /// # Errors
