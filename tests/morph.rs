@@ -274,6 +274,6 @@ fn squares_of_another_program_are_exported_and_turn_alike() {
     validated(&[file]);
     let bare = &flags[..4];
     refused(&folder, &[bare, &["-o", "new"]].concat(), 1, &["--thickness-mm"]);
-    refused(&folder, &[bare, &["-o", "new", "--thickness-mm", "-1"]].concat(), 1, &["-1", "above 0"]);
+    refused(&folder, &[bare, &["-o", "new", "--thickness-mm", "0"]].concat(), 1, &["is 0", "above 0"]);
     refused(&folder, &["export", "d.json", "-o", "new"], 1, &["--format"]);
 }
