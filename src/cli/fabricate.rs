@@ -15,6 +15,7 @@ use crate::machine::{self, Machine};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
+use crate::output::report::Seen;
 use crate::pipeline::{Clock, Progress, fingerprint};
 use crate::profile::{self, Process, Profile};
 
@@ -52,7 +53,13 @@ pub fn run(
     let origin = origin(&bytes, &file, &product);
     options.engrave = options.engrave.map(|_| origin.job.clone());
     let plan = plan(&product, &profile, &options, &mut clock)?;
-    let mut extras = Extras { solids: thick.as_ref(), snap: None, plan: plan.as_ref(), milled: None };
+    let mut extras = Extras {
+        solids: thick.as_ref(),
+        snap: None,
+        plan: plan.as_ref(),
+        milled: None,
+        seen: Seen::default(),
+    };
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let quality = &origin.quality;
     let figures = figures(&product, quality);

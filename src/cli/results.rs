@@ -23,7 +23,7 @@ use crate::output::folder::{
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
-use crate::output::report::{self, Report};
+use crate::output::report::{self, Report, Seen};
 use crate::output::{hinge_report, snap_report, svg, toolpath_svg};
 use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Timings, fingerprint};
@@ -98,6 +98,8 @@ pub struct Extras<'a> {
     pub plan: Option<&'a CutPlan>,
     /// The program of a sheet that is milled, and the machine that takes it.
     pub milled: Option<(&'a Milled, &'a Machine)>,
+    /// What the report shows of the targets.
+    pub seen: Seen<'a>,
 }
 
 /// How many faults of one check are told of files that are not left.
@@ -232,6 +234,7 @@ impl Results<'_> {
             snap: self.extras.snap,
             plan: self.extras.plan,
             cutting,
+            seen: self.extras.seen,
         }
     }
 
