@@ -1,0 +1,199 @@
+// What the view in space of a report shows and does, read from the pixels of its canvas.
+"use strict";
+const fs = require("fs");
+const { chromium } = require("playwright-core");
+
+// WebGL in software, the same on every machine.
+const launched = (more = []) => chromium.launch({
+  executablePath: process.env.CHROMIUM || "/usr/bin/chromium",
+  args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...more],
+});
+
+const rest = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+// Keeps the canvas's pixels in the page under a name, and tells which part of them is covered.
+async function look(page, name) {
+  await rest(page);
+  return page.evaluate((key) => {
+    const seen = document.getElementById("space-canvas");
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [seen.width, seen.height];
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(seen, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    window.looks = { ...window.looks, [key]: { data, width: copy.width, ratio: copy.width / seen.clientWidth } };
+    let covered = 0;
+    for (let i = 3; i < data.length; i += 4) covered += data[i] > 0 ? 1 : 0;
+    return covered / (data.length / 4);
+  }, name);
+}
+
+// The share of pixels in which two looks differ, and their middle in pixels of the window.
+const differing = (page, names) => page.evaluate(([a, b]) => {
+  const [one, other] = [window.looks[a], window.looks[b]];
+  let [count, x, y] = [0, 0, 0];
+  for (let i = 0; i < one.data.length; i += 4) {
+    const off = Math.max(...[0, 1, 2, 3].map((k) => Math.abs(one.data[i + k] - other.data[i + k])));
+    if (off < 24) continue;
+    count += 1;
+    x += (i / 4) % one.width;
+    y += Math.floor(i / 4 / one.width);
+  }
+  const box = document.getElementById("space-canvas").getBoundingClientRect();
+  const middle = [box.left + (x / count + 0.5) / one.ratio, box.top + (y / count + 0.5) / one.ratio];
+  return { share: count / (one.data.length / 4), middle };
+}, names);
+
+const words = (page) => page.$eval("#space-says", (node) => node.textContent);
+const pickedRow = (page) => page.$eval("#pick", (ring) => Number(ring.dataset.hinge));
+
+async function slide(page, value) {
+  await page.locator("#space-slider").fill(String(value));
+  await rest(page);
+}
+
+// Both ends, the middle, and every way of colouring.
+async function states(page) {
+  const found = { words: [] };
+  for (const [name, value] of [["closed", 0], ["half", 500], ["open", 1000]]) {
+    await slide(page, value);
+    found[name] = await look(page, name);
+    found.words.push(await words(page));
+  }
+  found.closed_open = (await differing(page, ["closed", "open"])).share;
+  found.closed_half = (await differing(page, ["closed", "half"])).share;
+  found.half_open = (await differing(page, ["half", "open"])).share;
+  await page.locator("#space-axes").uncheck();
+  await look(page, "no axes");
+  found.axes = (await differing(page, ["open", "no axes"])).share;
+  await page.locator("#space-axes").check();
+  found.colours = [];
+  const ways = await page.$$eval("#space-colour option", (all) => all.map((one) => [one.value, one.textContent]));
+  for (const [value, name] of ways) {
+    await page.selectOption("#space-colour", value);
+    await look(page, "coloured");
+    found.colours.push([name, (await differing(page, ["open", "coloured"])).share]);
+  }
+  await page.selectOption("#space-colour", "0");
+  return found;
+}
+
+// From above and without perspective, closed: where rows that are clicked light up, and what clicks there choose.
+async function picks(page) {
+  await slide(page, 0);
+  const canvas = page.locator("#space-canvas");
+  await canvas.focus();
+  for (let i = 0; i < 20; i += 1) await page.keyboard.press("ArrowUp");
+  if (!await page.locator("#space-flat").isChecked()) await page.keyboard.press("o");
+  await page.locator("#space-target").uncheck();
+  await page.keyboard.press("f");
+  const rows = page.locator("#table tbody tr[data-id]");
+  const chosen = [];
+  for (const row of [1, 6, 11, 3]) {
+    await rows.nth(row).click();
+    chosen.push({ hinge: await pickedRow(page) });
+    await canvas.scrollIntoViewIfNeeded();
+    await look(page, `pick ${row}`);
+  }
+  // A hinge that is not chosen looks as it does in the next picture.
+  const order = [1, 6, 11, 3];
+  const clicks = [];
+  for (let i = 0; i < 3; i += 1) {
+    await page.locator("#table").scrollIntoViewIfNeeded();
+    await rows.nth(order[i]).click();
+    await canvas.scrollIntoViewIfNeeded();
+    await look(page, "lit");
+    await page.evaluate(() => { window.before = window.looks.lit; });
+    await page.locator("#table").scrollIntoViewIfNeeded();
+    await rows.nth(order[3]).click();
+    await canvas.scrollIntoViewIfNeeded();
+    await look(page, "other");
+    chosen[i].changed = (await differing(page, ["lit", "other"])).share;
+    chosen[i].at = await onlyIn(page);
+    await page.mouse.click(...chosen[i].at);
+    clicks.push(await pickedRow(page));
+  }
+  return { chosen: chosen.slice(0, 3), clicks };
+}
+
+// The middle of what one look has of the colour that marks what is chosen, and the other has not.
+const onlyIn = (page) => page.evaluate(() => {
+  const [lit, other] = [window.looks.lit, window.looks.other];
+  const probe = document.getElementById("space-probe");
+  probe.style.color = "var(--pick)";
+  const wanted = getComputedStyle(probe).color.match(/[\d.]+/g).map(Number);
+  const off = (data, i) => Math.hypot(...[0, 1, 2].map((k) => data[i + k] - wanted[k]));
+  let [count, x, y] = [0, 0, 0];
+  for (let i = 0; i < lit.data.length; i += 4) {
+    if (off(lit.data, i) > 40 || off(other.data, i) < 60) continue;
+    count += 1;
+    x += (i / 4) % lit.width;
+    y += Math.floor(i / 4 / lit.width);
+  }
+  const box = document.getElementById("space-canvas").getBoundingClientRect();
+  return [box.left + (x / count + 0.5) / lit.ratio, box.top + (y / count + 0.5) / lit.ratio];
+});
+
+async function keys(page) {
+  const canvas = page.locator("#space-canvas");
+  await slide(page, 1000);
+  await canvas.focus();
+  if (await page.locator("#space-flat").isChecked()) await page.keyboard.press("o");
+  await page.keyboard.press("f");
+  const found = { flat: [await page.locator("#space-flat").isChecked()], start: await look(page, "start") };
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("ArrowDown");
+  await look(page, "turned");
+  found.turned = (await differing(page, ["start", "turned"])).share;
+  for (let i = 0; i < 3; i += 1) await page.keyboard.press("-");
+  found.far = await look(page, "far");
+  await page.keyboard.press("f");
+  found.fitted = await look(page, "fitted");
+  await page.keyboard.press("o");
+  await look(page, "flat");
+  found.flat.push(await page.locator("#space-flat").isChecked(), (await differing(page, ["fitted", "flat"])).share > 0.002);
+  await page.keyboard.press("o");
+  await page.emulateMedia({ reducedMotion: "reduce" });
+  await page.keyboard.press(" ");
+  await rest(page);
+  found.calm = await words(page);
+  await page.emulateMedia({ reducedMotion: null });
+  await page.keyboard.press(" ");
+  await page.waitForTimeout(700);
+  found.playing = [await words(page), await page.$eval("#space-play", (button) => button.textContent)];
+  await page.keyboard.press(" ");
+  found.stopped = await page.$eval("#space-play", (button) => button.textContent);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#space-picture").click()]);
+  const picture = fs.readFileSync(await download.path());
+  found.picture = [download.suggestedFilename(), picture.subarray(1, 4).toString(), picture.length, picture.readUInt32BE(16)];
+  return found;
+}
+
+// Milliseconds from a move of the slider to the picture.
+const pace = (page) => page.evaluate(async () => {
+  const slider = document.getElementById("space-slider");
+  const canvas = document.getElementById("space-canvas");
+  const times = [];
+  for (const value of [900, 700, 500, 300, 100]) {
+    const start = performance.now();
+    slider.value = value;
+    slider.dispatchEvent(new Event("input"));
+    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+    canvas.getContext("webgl2").finish();
+    times.push(performance.now() - start);
+  }
+  return times;
+});
+
+async function space(page) {
+  const started = Date.now();
+  await page.locator("#space").scrollIntoViewIfNeeded();
+  await page.waitForSelector("#space-canvas[data-ready]", { timeout: 60000 });
+  const found = { start_ms: Date.now() - started, states: await states(page) };
+  found.picks = await picks(page);
+  found.keys = await keys(page);
+  found.pace = await pace(page);
+  return found;
+}
+
+module.exports = { launched, space };
