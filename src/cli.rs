@@ -33,6 +33,7 @@ use clap::{Parser, Subcommand};
 
 use cut_keys::CutKeys;
 use progress::Reporting;
+use results::Leaving;
 
 use crate::profile::{Ligament, Process, Shape};
 
@@ -60,6 +61,9 @@ enum Command {
         /// Write the files even where a hinge fails; its verdict stays "fail".
         #[arg(long)]
         allow_failing_hinges: bool,
+        /// Do everything and tell its figures, but write nothing.
+        #[arg(long, conflicts_with = "output")]
+        dry_run: bool,
         #[command(flatten)]
         optimisation: Optimisation,
         #[command(flatten)]
@@ -105,11 +109,14 @@ enum Command {
         #[arg(short, long)]
         profile: String,
         /// Folder for the results.
-        #[arg(short, long)]
-        output: PathBuf,
+        #[arg(short, long, required_unless_present = "dry_run")]
+        output: Option<PathBuf>,
         /// Write the files even where a hinge fails; its verdict stays "fail".
         #[arg(long)]
         allow_failing_hinges: bool,
+        /// Do everything and tell its figures, but write nothing.
+        #[arg(long, conflicts_with = "output")]
+        dry_run: bool,
         #[command(flatten)]
         keys: CutKeys,
         /// What mills the sheet: a machine's name or file [default: linuxcnc-xyzbc-trt].
@@ -222,8 +229,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let events = arguments.command.tells_events();
     let result = match arguments.command {
-        Command::Make { job, output, allow_failing_hinges, optimisation, reporting } => {
-            make::run(&job, output, allow_failing_hinges, &optimisation, &reporting)
+        Command::Make { job, output, allow_failing_hinges, dry_run, optimisation, reporting } => {
+            make::run(&job, output, [allow_failing_hinges, dry_run], &optimisation, &reporting)
         }
         Command::Design { job, output, feasibility_only, map, optimisation, reporting } => {
             design::run(&design::Options { job, output, feasibility_only, map, optimisation, reporting })
@@ -236,13 +243,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             profile,
             output,
             allow_failing_hinges,
+            dry_run,
             keys,
             machine,
             from_run,
             reporting,
         } => {
             let mill = (machine.as_deref(), from_run as usize - 1);
-            fabricate::run(&design, &profile, &output, allow_failing_hinges, &keys, mill, &reporting)
+            let folder = output.unwrap_or_default();
+            let leaving = Leaving { folder: &folder, allow_failing: allow_failing_hinges, dry_run };
+            fabricate::run(&design, &profile, &leaving, &keys, mill, &reporting)
         }
         Command::Verify { folder, profile, machine, all } => {
             verify::run(&folder, profile.as_deref(), machine.as_deref(), all)

@@ -86,6 +86,29 @@ fn check_milled_by_others(folder: &Path) {
     }
 }
 
+/// A dry run tells what a run would take, and leaves nothing.
+fn check_dry_run(folder: &Path) {
+    let before = program::listing(folder);
+    let arguments = ["fabricate", "out", "-p", "nylon-6-5mm", "--sheet-mm", "160", "160", "--dry-run"];
+    let dry = run(folder, arguments);
+    assert_eq!(dry.status, 0, "{}", dry.stderr);
+    for words in ["way down", "back in cut grooves", "axes turn", "above the stock", "nothing was written"] {
+        assert!(dry.stdout.contains(words), "{words}: {}", dry.stdout);
+    }
+    assert!(!dry.stdout.contains("Files in"), "{}", dry.stdout);
+    let told = run(folder, arguments.into_iter().chain(["--json"]));
+    let event: Value = serde_json::from_str(told.stdout.lines().last().unwrap()).unwrap();
+    assert_eq!((&event["dry_run"], &event["files"]), (&true.into(), &Value::Array(Vec::new())));
+    assert!(event["folder"].is_null());
+    let made = &read(&folder.join("out/hinges.json"))["mill"];
+    for key in ["machine", "runs", "blocks", "moves"] {
+        assert_eq!(event["mill"][key], made[key], "{key}");
+    }
+    assert!(program::listing(folder) == before);
+    assert_eq!(run(folder, arguments.into_iter().chain(["-o", "other"])).status, 1);
+    assert_eq!(run(folder, ["fabricate", "out", "-p", "nylon-6-5mm"]).status, 1);
+}
+
 /// What is left to do after a broken tool is a program of its own.
 fn check_rest(folder: &Path) {
     let arguments = [
@@ -145,6 +168,7 @@ fn a_bistable_cap_is_milled_on_every_machine() {
     check_milled_by_others(&folder);
     let verified = run(&folder, ["verify", "out"]);
     assert_eq!(verified.status, 0, "{}", verified.stderr);
+    check_dry_run(&folder);
     check_rest(&folder);
     // Not every spindle turns as fast: fewer turns, larger chips.
     let profile =
@@ -224,8 +248,9 @@ fn faults_of_programs_are_found() {
     let everywhere = |letter: char, change: &'static dyn Fn(f64) -> f64| {
         changed(&|_, line| Some(word(line, letter, change)))
     };
-    let faults: [(&str, String, &str); 7] = [
+    let faults: [(&str, String, &str); 8] = [
         ("the tilt's sign", everywhere('B', &|b| -b), "into the part"),
+        ("as fast in the material as back in the groove", text.replace("F300.0", "F900.0"), "feed"),
         ("inches", text.replace("G21", "G20"), ""),
         (
             "a turn too many",

@@ -317,6 +317,7 @@ fn an_open_sheet_has_its_preview_and_drawing() {
         profile: &profile.name,
         target: "flat",
         made_from: "cut cut.dxf",
+        groove: "kerf",
         figures: &figures,
     };
     let mut bytes = Vec::new();

@@ -51,6 +51,7 @@ fn page(fabrication: &Fabrication) -> Result<String, WritePreviewError> {
         profile: "steel-304-0.5mm",
         target: "cap.obj",
         made_from: "cut cut.dxf",
+        groove: "kerf",
         figures: &figures,
     };
     let mut bytes = Vec::new();

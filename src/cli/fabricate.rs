@@ -6,7 +6,7 @@ use std::path::Path;
 use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::cut_keys::CutKeys;
 use super::progress::{Reporter, Reporting};
-use super::results::{Extras, Results, cut_lines, file_names, outcome, plan};
+use super::results::{Extras, Leaving, Results, cut_lines, dry_run_lines, outcome, plan};
 use super::{Failure, events, interrupt, milled, print, solids};
 use crate::fabrication::product::Product;
 use crate::job::{DEFAULT_MACHINE, cut_keys};
@@ -23,8 +23,7 @@ use crate::profile::{self, Process, Profile};
 pub fn run(
     design: &Path,
     profile: &str,
-    folder: &Path,
-    allow_failing: bool,
+    leaving: &Leaving,
     keys: &CutKeys,
     (machine, first_run): (Option<&str>, usize),
     reporting: &Reporting,
@@ -37,7 +36,9 @@ pub fn run(
     let mut profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
     let (dxf, mut options) = cut_keys(&keys.table(), &mut profile).map_err(Failure::bad_input)?;
     let machine = machine_of(&mut profile, machine)?;
-    OutputFolder::check(folder).map_err(Failure::bad_input)?;
+    if !leaving.dry_run {
+        OutputFolder::check(leaving.folder).map_err(Failure::bad_input)?;
+    }
     interrupt::listen();
     let mut reporter = Reporter::new(reporting);
     let mut watch = |progress: &Progress| {
@@ -48,7 +49,7 @@ pub fn run(
     let product = clock
         .run("fabrication", |_| lay_out(&design, &profile).map(Product::Sheet))
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
-    refuse_failing(product.hinges(), allow_failing)?;
+    refuse_failing(product.hinges(), leaving.allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&product, &profile))?;
     let origin = origin(&bytes, &file, &product);
     options.engrave = options.engrave.map(|_| origin.job.clone());
@@ -82,12 +83,12 @@ pub fn run(
     let milled = milled::milled(&results, machine.as_ref(), &options, first_run, &mut clock)?;
     extras.milled = milled.as_ref().zip(machine.as_ref());
     results.extras = extras;
-    results.leave(folder, allow_failing, &mut clock)?;
+    results.leave(leaving, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&event(&product, extras, quality, folder));
+        events::tell(&event(&product, extras, quality, leaving));
     } else if !reporting.quiet {
-        print(&summary(&origin.job, &product, extras, &figures, folder));
+        print(&summary(&origin.job, &product, extras, &figures, leaving));
     }
     Ok(())
 }
@@ -161,15 +162,16 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
     rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }
 
-fn event(product: &Product, extras: Extras, quality: &Quality, folder: &Path) -> serde_json::Value {
+fn event(product: &Product, extras: Extras, quality: &Quality, leaving: &Leaving) -> serde_json::Value {
     let Extras { solids: thick, plan, milled, .. } = extras;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
     serde_json::json!({
         "event": "result",
         "status": 0,
-        "folder": folder,
-        "files": file_names(product, extras),
+        "dry_run": leaving.dry_run,
+        "folder": leaving.folder(),
+        "files": leaving.files(product, extras),
         "pieces": product.design().pieces.len(),
         "hinges": product.hinges().len(),
         "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
@@ -186,7 +188,7 @@ fn summary(
     product: &Product,
     Extras { solids: thick, plan, milled, .. }: Extras,
     figures: &[(String, String)],
-    folder: &Path,
+    leaving: &Leaving,
 ) -> String {
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let mut text = format!("{name}: {}\n", outcome("laid out", product.hinges()));
@@ -200,5 +202,8 @@ fn summary(
         text += &solids::summary(thick);
     }
     text += &milled.map_or_else(|| cut_lines(plan), milled::lines);
-    text + &format!("Files in {}\n", folder.display())
+    if leaving.dry_run {
+        return text + &dry_run_lines(milled);
+    }
+    text + &format!("Files in {}\n", leaving.folder.display())
 }

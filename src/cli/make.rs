@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
-use super::results::{Extras, Results, cut_lines, file_names, no_cut_file, outcome, plan};
+use super::results::{Extras, Leaving, Results, cut_lines, dry_run_lines, no_cut_file, outcome, plan};
 use super::{Failure, Optimisation, events, interrupt, map, milled, open_state, partial, print, solids};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
@@ -25,14 +25,17 @@ use crate::snap::assess::{Snap, assess};
 pub fn run(
     job_file: &Path,
     output: Option<PathBuf>,
-    allow_failing: bool,
+    [allow_failing, dry_run]: [bool; 2],
     optimisation: &Optimisation,
     reporting: &Reporting,
 ) -> Result<(), Failure> {
     let job = read_job(job_file).map_err(Failure::bad_input)?;
     let name = job_file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = output.unwrap_or_else(|| Path::new("out").join(&name));
-    OutputFolder::check(&folder).map_err(Failure::bad_input)?;
+    let leaving = Leaving { folder: &folder, allow_failing, dry_run };
+    if !dry_run {
+        OutputFolder::check(&folder).map_err(Failure::bad_input)?;
+    }
     let hashes = partial::hashes(&job, job_file);
     let unused_partial = !optimisation.resume && folder.join(partial_json::FILE_NAME).exists();
     interrupt::listen();
@@ -79,12 +82,12 @@ pub fn run(
     let milled = milled::milled(&results, fabrication.machine.as_ref(), &fabrication.cut, 0, &mut clock)?;
     extras.milled = milled.as_ref().zip(fabrication.machine.as_ref());
     results.extras = extras;
-    results.leave(&folder, allow_failing, &mut clock)?;
+    results.leave(&leaving, &mut clock)?;
     drop(reporter);
     if reporting.json {
-        events::tell(&result_event(&made, extras, &input, &folder));
+        events::tell(&result_event(&made, extras, &input, &leaving));
     } else if !reporting.quiet {
-        print(&summary(&made, extras, &input, &folder, unused_partial));
+        print(&summary(&made, extras, &input, &leaving, unused_partial));
     }
     Ok(())
 }
@@ -101,7 +104,7 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 }
 
 /// The last event: figures under their names in design.json, and the files.
-fn result_event(made: &Made, extras: Extras, input: &Input, folder: &Path) -> serde_json::Value {
+fn result_event(made: &Made, extras: Extras, input: &Input, leaving: &Leaving) -> serde_json::Value {
     let Extras { solids: thick, snap, plan, milled, .. } = extras;
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
@@ -109,8 +112,9 @@ fn result_event(made: &Made, extras: Extras, input: &Input, folder: &Path) -> se
     serde_json::json!({
         "event": "result",
         "status": 0,
-        "folder": folder,
-        "files": file_names(product, extras),
+        "dry_run": leaving.dry_run,
+        "folder": leaving.folder(),
+        "files": leaving.files(product, extras),
         "snap": snap.map(|snap| snap_report::object(snap, &input.job.fabrication.profile.name)),
         "pieces": product.design().pieces.len(),
         "hinges": product.hinges().len(),
@@ -216,7 +220,8 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
     rows
 }
 
-fn summary(made: &Made, extras: Extras, input: &Input, folder: &Path, unused_partial: bool) -> String {
+fn summary(made: &Made, extras: Extras, input: &Input, leaving: &Leaving, unused_partial: bool) -> String {
+    let folder = leaving.folder;
     let Extras { solids: thick, snap, plan, milled, .. } = extras;
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
@@ -242,6 +247,9 @@ fn summary(made: &Made, extras: Extras, input: &Input, folder: &Path, unused_par
             "The snap of more than {MOST_HINGES} hinges takes minutes and was left out: kirimorph snap {} -p PROFILE\n",
             folder.join("design.json").display()
         );
+    }
+    if leaving.dry_run {
+        return text + &dry_run_lines(milled);
     }
     if unused_partial {
         text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";

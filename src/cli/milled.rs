@@ -8,6 +8,7 @@ use crate::fabrication::plan::CutOptions;
 use crate::fabrication::product::Product;
 use crate::machine::{Header, Machine};
 use crate::milling::sweep::Figures;
+use crate::milling::toolpath::{Contour, Kind};
 use crate::pipeline::Clock;
 use crate::pipeline::mill::{Milled, Order, mill};
 use crate::profile::Tool;
@@ -87,11 +88,13 @@ pub fn object(milled: &Milled, machine: &Machine) -> Value {
 pub fn lines((milled, machine): (&Milled, &Machine)) -> String {
     let (stats, figures) = (&milled.program.stats, &milled.figures);
     let walls = if machine.follows_axes() { "along the hinges' axes" } else { "upright: three axes" };
+    let borders = borders(milled);
+    let border = if borders == 1 { "the border".to_owned() } else { format!("{borders} borders") };
     format!(
-        "  milled on {}, walls {walls}: {} openings and borders, {} blocks, {}\n  \
+        "  milled on {}, walls {walls}: {} openings, then {border}, {} blocks, {}\n  \
          in simulation {:.3} mm of gouge, {:.3} mm left on walls, ligaments {:.3} to {:.3} mm wide and {:.3} mm off at any depth\n",
         machine.name,
-        stats.runs,
+        stats.runs.saturating_sub(borders),
         stats.motions,
         time(stats.cut_seconds + stats.air_seconds),
         figures.gouge,
@@ -100,6 +103,72 @@ pub fn lines((milled, machine): (&Milled, &Machine)) -> String {
         figures.widths[1],
         figures.centre,
     )
+}
+
+/// How many runs go around a part.
+pub fn borders(milled: &Milled) -> usize {
+    milled.planned.path.runs.iter().filter(|run| run.contour == Contour::Border).count()
+}
+
+/// What a dry run tells of a program besides: label and value.
+pub fn statistics((milled, machine): (&Milled, &Machine)) -> Vec<(String, String)> {
+    let stats = &milled.program.stats;
+    let bytes: usize = milled.program.files.iter().map(|(_, text)| text.len()).sum();
+    let names: Vec<&str> = milled.program.files.iter().map(|(name, _)| name.as_str()).collect();
+    let mut rows =
+        vec![("program".to_owned(), format!("{}, {:.1} MB", names.join(", "), 1e-6 * bytes as f64))];
+    rows.extend(
+        ways(milled).into_iter().map(|(what, way)| (what.to_owned(), format!("{:.2} m", 1e-3 * way))),
+    );
+    let between = time(stats.air_seconds);
+    rows.push(("time".to_owned(), format!("{} in runs, {between} between them", time(stats.cut_seconds))));
+    if machine.rotary.is_some() {
+        let [tilt, turn] = stats.turned.map(f64::to_degrees);
+        let swing = stats.largest_swing.to_degrees();
+        rows.extend([
+            (
+                "axes turn".to_owned(),
+                format!("{tilt:.0} and {turn:.0} deg in all, {swing:.1} at most in a block"),
+            ),
+            ("retreats".to_owned(), stats.retreats.to_string()),
+        ]);
+    }
+    let [low, high] = stats.bounds;
+    rows.push((
+        "tip".to_owned(),
+        format!(
+            "x {:.2} to {:.2}, y {:.2} to {:.2}, z {:.2} to {:.2} mm",
+            low.x, high.x, low.y, high.y, low.z, high.z
+        ),
+    ));
+    let Figures { rapid, shank, .. } = milled.figures;
+    rows.push((
+        "above the stock".to_owned(),
+        format!("rapid moves {rapid:.2} mm, shank and holder {shank:.2} mm"),
+    ));
+    rows
+}
+
+/// How long the tip's way is, by what it does, millimetres.
+fn ways(milled: &Milled) -> [(&'static str, f64); 5] {
+    let kinds = [
+        ("way down", Kind::Ramp),
+        ("rough passes", Kind::Rough),
+        ("back in cut grooves", Kind::Retrace),
+        ("last passes", Kind::Finish),
+        ("in and out", Kind::Approach),
+    ];
+    let mut ways = kinds.map(|(what, _)| (what, 0.0));
+    for run in &milled.planned.path.runs {
+        let mut at = run.start.tip;
+        for block in &run.blocks {
+            let kind = if block.kind == Kind::Retract { Kind::Approach } else { block.kind };
+            let place = kinds.iter().position(|(_, other)| *other == kind);
+            ways[place.unwrap_or(0)].1 += (block.to.tip - at).norm();
+            at = block.to.tip;
+        }
+    }
+    ways
 }
 
 /// Hours and minutes, in words.

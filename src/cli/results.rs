@@ -102,17 +102,57 @@ pub struct Extras<'a> {
     pub seen: Seen<'a>,
 }
 
+/// What the person at the mill needs to know.
+#[derive(Default)]
+struct Setup {
+    rows: Vec<(&'static str, String)>,
+    restarts: Vec<String>,
+}
+
+/// What becomes of the results.
+#[derive(Clone, Copy)]
+pub struct Leaving<'a> {
+    /// Where they go.
+    pub folder: &'a Path,
+    /// Leave files whose hinges fail, where their verdict says so.
+    pub allow_failing: bool,
+    /// Say what would be made, and write nothing.
+    pub dry_run: bool,
+}
+
+impl Leaving<'_> {
+    /// The folder that holds the files.
+    pub fn folder(&self) -> Option<&Path> {
+        (!self.dry_run).then_some(self.folder)
+    }
+
+    /// The names of the files in it.
+    pub fn files(&self, product: &Product, extras: Extras) -> Vec<String> {
+        if self.dry_run { Vec::new() } else { file_names(product, extras) }
+    }
+}
+
+/// What is said at the end of a dry run: of a program all that it takes.
+pub fn dry_run_lines(milled: Option<(&Milled, &Machine)>) -> String {
+    let rows = milled.map_or_else(Vec::new, milled::statistics);
+    let width = rows.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
+    let lines = rows.iter().map(|(label, value)| format!("  {label:<width$}  {value}\n"));
+    lines.chain(["A dry run: nothing was written.\n".to_owned()]).collect()
+}
+
 /// How many faults of one check are told of files that are not left.
 const FAULTS_TOLD: usize = 3;
 
 impl Results<'_> {
-    /// Writes all files, reads the machine files back, and puts the folder in its place: all or nothing.
-    ///
-    /// `allow_failing`: leave files whose ligaments are wrong where the hinge's verdict says so.
+    /// Writes all files, reads the machine files back, and puts the folder in its place: all or nothing. A dry run ends before.
     ///
     /// # Errors
     /// What a writer refuses; machine files that are not what the design asks for.
-    pub fn leave(&self, folder: &Path, allow_failing: bool, clock: &mut Clock) -> Result<(), Failure> {
+    pub fn leave(&self, leaving: &Leaving, clock: &mut Clock) -> Result<(), Failure> {
+        let Leaving { folder, allow_failing, dry_run } = *leaving;
+        if dry_run {
+            return Ok(());
+        }
         let refused = |error: WriteError| Failure::BadInput(format!("cannot write the results: {error}"));
         let out = clock
             .run("output", |_| -> Result<OutputFolder, WriteError> {
@@ -209,7 +249,7 @@ impl Results<'_> {
             out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
         }
         out.write::<WriteError>(REPORT, |file| {
-            Ok(report::write(&self.report(&self.remarks(), &self.cutting()), file)?)
+            Ok(report::write(&self.report(&self.remarks(), &self.cutting(), &self.setup()), file)?)
         })?;
         match (product, self.extras.plan) {
             (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
@@ -219,7 +259,7 @@ impl Results<'_> {
     }
 
     /// What the page tells that a person decides by.
-    fn report<'b>(&'b self, remarks: &'b [String], cutting: &'b [String]) -> Report<'b> {
+    fn report<'b>(&'b self, remarks: &'b [String], cutting: &'b [String], setup: &'b Setup) -> Report<'b> {
         Report {
             job: self.name,
             target: self.target,
@@ -234,6 +274,8 @@ impl Results<'_> {
             snap: self.extras.snap,
             plan: self.extras.plan,
             cutting,
+            setup: &setup.rows,
+            restarts: &setup.restarts,
             seen: self.extras.seen,
         }
     }
@@ -245,6 +287,16 @@ impl Results<'_> {
             (None, Some(plan)) => plan.report.lines(),
             (None, None) => Vec::new(),
         }
+    }
+
+    /// The set-up sheet of a sheet that is milled.
+    fn setup(&self) -> Setup {
+        self.extras.milled.map_or_else(Setup::default, |(milled, machine)| Setup {
+            rows: setup_sheet::rows(milled, self, machine),
+            restarts: std::iter::once(setup_sheet::AGAIN.to_owned())
+                .chain(setup_sheet::restarts(milled))
+                .collect(),
+        })
     }
 
     /// What the summary says besides figures, hinges, cuts and snap.
@@ -295,6 +347,7 @@ impl Results<'_> {
             title: self.name,
             profile: &profile.name,
             target: self.target,
+            groove: if self.extras.milled.is_some() { "tool" } else { "kerf" },
             made_from: match self.extras.milled {
                 Some(_) => "the mill runs the program",
                 None => "cut cut.dxf or cut.svg",
@@ -377,7 +430,7 @@ pub fn cut_lines(plan: Option<&CutPlan>) -> String {
 }
 
 /// The names of the files that are written.
-pub fn file_names(product: &Product, extras: Extras) -> Vec<String> {
+fn file_names(product: &Product, extras: Extras) -> Vec<String> {
     let names: &[&str] = match product {
         Product::Sheet(sheet) if sheet.design.sheet_state == Some(State::Open) => &OPEN_SHEET_FILES,
         Product::Sheet(_) => &SHEET_FILES,

@@ -1,10 +1,9 @@
 //! `setup.txt`: what the person at the mill needs to know.
 
-use super::milled::{time, tool_words};
+use super::milled::{borders, time, tool_words};
 use super::results::Results;
-use crate::machine::Machine;
+use crate::machine::{Machine, Restart};
 use crate::milling::path::CLEARANCE;
-use crate::milling::toolpath::Contour;
 use crate::pipeline::mill::Milled;
 
 /// Spoilboard below the deepest cut, millimetres.
@@ -16,10 +15,21 @@ pub fn setup(milled: &Milled, results: &Results, machine: &Machine) -> String {
         "Set-up sheet: {}, profile {}, machine {}\n\n",
         results.name, results.profile.name, machine.name
     );
-    for (label, value) in set_up(milled, results, machine).into_iter().chain(cutting(milled, machine)) {
+    for (label, value) in rows(milled, results, machine) {
         text += &format!("{label:<14} {value}\n");
     }
-    text + &restarts(milled)
+    text += &format!("\n{AGAIN}\n");
+    restarts(milled).iter().for_each(|line| text += &format!("  {line}\n"));
+    text
+}
+
+/// What to do after a broken tool.
+pub const AGAIN: &str = "After a broken tool begin again at the run that it broke in: kirimorph fabricate ... --from-run RUN writes \
+                         the rest.";
+
+/// Label and value of all but the places to begin again.
+pub fn rows(milled: &Milled, results: &Results, machine: &Machine) -> Vec<(&'static str, String)> {
+    set_up(milled, results, machine).into_iter().chain(cutting(milled, machine)).collect()
 }
 
 /// Stock, zero, tool, workholding.
@@ -42,10 +52,10 @@ fn set_up(milled: &Milled, results: &Results, machine: &Machine) -> Vec<(&'stati
         ("Zero", "lower left corner of the stock, on top of it; x along its lower edge".to_owned()),
         ("Tool", format!("T{}: {tool_named}", machine.setup.tool_number)),
         (
-            "",
+            "Speeds",
             format!(
-                "{} turns/min clockwise, {} mm/min, down {} mm/min",
-                tool.spindle, tool.feed, tool.plunge
+                "{} turns/min clockwise, {} mm/min, back in a cut groove {}, down {}",
+                tool.spindle, tool.feed, tool.retrace, tool.plunge
             ),
         ),
         ("Wedge", wedge),
@@ -67,8 +77,7 @@ fn set_up(milled: &Milled, results: &Results, machine: &Machine) -> Vec<(&'stati
 /// Order, what comes loose, time.
 fn cutting(milled: &Milled, machine: &Machine) -> Vec<(&'static str, String)> {
     let (stats, tool) = (&milled.program.stats, &milled.tool);
-    let is_border = |contour: Contour| contour == Contour::Border;
-    let borders = milled.planned.path.runs.iter().filter(|run| is_border(run.contour)).count();
+    let borders = borders(milled);
     let last = if borders == 1 { "the border".to_owned() } else { format!("{borders} borders") };
     let loose = match milled.figures.loose {
         0 => "nothing before the border".to_owned(),
@@ -87,15 +96,12 @@ fn cutting(milled: &Milled, machine: &Machine) -> Vec<(&'static str, String)> {
 }
 
 /// Where each run begins.
-fn restarts(milled: &Milled) -> String {
-    let mut text = "\nAfter a broken tool begin again at the run that it broke in: kirimorph fabricate ... --from-run RUN writes \
-                    the rest.\n"
-        .to_owned();
-    for restart in &milled.program.stats.restarts {
+pub fn restarts(milled: &Milled) -> Vec<String> {
+    let line = |restart: &Restart| {
         let start = milled.planned.path.runs[restart.run].start.tip;
         let name = &milled.program.files[restart.file].0;
         let (run, line) = (restart.run + 1, restart.line);
-        text += &format!("  run {run:>4}  {name} line {line:>7}  at x {:.2}, y {:.2}\n", start.x, start.y);
-    }
-    text
+        format!("run {run:>4}  {name} line {line:>7}  at x {:.2}, y {:.2}", start.x, start.y)
+    };
+    milled.program.stats.restarts.iter().map(line).collect()
 }

@@ -241,21 +241,27 @@ impl Work<'_> {
         let top = self.tool.tab_height - self.thickness;
         let flat = 0.5 * self.tool.tab_width + self.strokes.radius;
         let way = (top - depth).max(0.0) / TAB_SLOPE.tan();
-        let mut stations = track.between(from, to);
         let length = track.length();
-        if way > 0.0 {
-            let bends = tabs.iter().flat_map(|tab| [-flat - way, -flat, flat, flat + way].map(|by| tab + by));
-            let turns = bends
-                .flat_map(|at| (-1..=(to / length) as i64 + 1).map(move |turn| at + turn as f64 * length));
-            stations.extend(turns.filter(|&at| at > from && at < to).map(|at| track.at(at)));
-            stations.sort_by(|a, b| a.along.total_cmp(&b.along));
-        }
+        let bends = tabs.iter().flat_map(|tab| [-flat - way, -flat, flat, flat + way].map(|by| tab + by));
+        // From where the pass began, and from where the tool came down, the groove is cut at this depth.
+        let begun = [track.mirrored(from), track.mirrored(to)].into_iter().flatten();
+        let places = bends.filter(|_| way > 0.0).chain(begun.filter(|_| kind == Kind::Rough));
+        let turns =
+            places.flat_map(|at| (-1..=(to / length) as i64 + 1).map(move |turn| at + turn as f64 * length));
+        let mut stations = track.between(from, to);
+        stations.extend(turns.filter(|&at| at > from && at < to).map(|at| track.at(at)));
+        stations.sort_by(|a, b| a.along.total_cmp(&b.along));
+        let mut behind = from;
         for station in stations {
             let near =
                 tabs.iter().map(|&tab| apart(tab, station.along, length)).fold(f64::INFINITY, f64::min);
             let floor = top - (near - flat).max(0.0) * TAB_SLOPE.tan();
             let height = depth.max(floor);
             let to = self.pose(&station, height);
+            let way = [std::mem::replace(&mut behind, station.along), station.along];
+            let back = kind == Kind::Rough && track.retraces(from, way);
+            let (rate, kind) =
+                if back { (Rate::Feed(self.tool.retrace), Kind::Retrace) } else { (rate, kind) };
             // Down from a tab the tool plunges.
             let down = blocks.last().is_some_and(|last| last.to.tip.z > height + 1e-9);
             blocks.push(Block { to, rate: if down { Rate::Feed(self.tool.plunge) } else { rate }, kind });

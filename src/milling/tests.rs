@@ -215,3 +215,53 @@ fn missing_passes_are_found_and_so_is_a_border_that_is_cut_first() {
     let bare = Milled { planned: Planned { tabs: Vec::new(), ..milled.planned.clone() }, ..milled };
     assert!(found(&bare.troubles(&bare.moves()), Trouble::Leftover) > 0.4);
 }
+
+#[test]
+fn only_the_way_back_along_a_groove_goes_faster() {
+    use super::toolpath::Contour;
+    let milled = milled(&lattice(0.0));
+    let tool = milled.tool;
+    assert!(tool.retrace > 2.0 * tool.feed);
+    let blocks = || milled.planned.path.runs.iter().flat_map(|run| &run.blocks);
+    let length = |wanted: &dyn Fn(Kind) -> bool| {
+        let runs = milled.planned.path.runs.iter().filter(|run| run.contour == Contour::Opening);
+        runs.flat_map(|run| {
+            let ends = run.blocks.iter().map(|block| block.to.tip);
+            let starts = std::iter::once(run.start.tip).chain(ends.clone());
+            let kinds = run.blocks.iter().map(|block| block.kind).collect::<Vec<_>>();
+            starts.zip(ends).zip(kinds).filter(|(_, kind)| wanted(*kind)).map(|((a, b), _)| (b - a).norm())
+        })
+        .sum::<f64>()
+    };
+    for block in blocks() {
+        assert_eq!(block.rate == Rate::Feed(tool.retrace), block.kind == Kind::Retrace);
+    }
+    // All of an opening is passed twice, but for the ramp's length.
+    let rough = length(&|kind| kind == Kind::Rough);
+    let back = length(&|kind| kind == Kind::Retrace);
+    assert!(back > 0.6 * rough, "{back} of {rough}");
+    let (_, findings) = milled.inspected(&milled.moves(), 0.5);
+    assert!(findings.is_empty(), "{findings:?}");
+
+    // The same speed anywhere else is a fault.
+    let hurried = |kind: Kind| {
+        let mut path = milled.planned.path.clone();
+        let blocks = path.runs.iter_mut().flat_map(|run| &mut run.blocks);
+        blocks.filter(|block| block.kind == kind).for_each(|block| block.rate = Rate::Feed(tool.retrace));
+        milled.troubles(&of_path(&path, tool.spindle))
+    };
+    for kind in [Kind::Rough, Kind::Ramp] {
+        assert_eq!(found(&hurried(kind), Trouble::Feed), tool.retrace, "{kind:?}");
+    }
+    // Neither may it go faster than that.
+    let faster = changed_rates(&milled.moves(), |rate| if rate > tool.feed { 1.5 * rate } else { rate });
+    assert_eq!(found(&milled.troubles(&faster), Trouble::Feed), 1.5 * tool.retrace);
+}
+
+fn changed_rates(moves: &[Move], change: impl Fn(f64) -> f64) -> Vec<Move> {
+    let rate = |rate: Rate| match rate {
+        Rate::Feed(feed) => Rate::Feed(change(feed)),
+        Rate::Rapid => Rate::Rapid,
+    };
+    moves.iter().map(|a| Move { rate: rate(a.rate), ..*a }).collect()
+}

@@ -41,6 +41,8 @@ pub enum Kind {
     Ramp,
     /// Removes most of the material.
     Rough,
+    /// Back along a groove that is already cut at this depth.
+    Retrace,
     /// Leaves the wall.
     Finish,
     /// Out of the stock, along the tool's axis.

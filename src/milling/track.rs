@@ -1,5 +1,7 @@
 //! A closed walk measured by its length: where the tool is after so many millimetres, and where it is far from hinges.
 
+use std::collections::HashMap;
+
 use kurbo::{Point, Vec2};
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
@@ -25,6 +27,8 @@ pub struct Station {
 pub struct Track {
     /// Its nodes; the first is repeated at the end.
     stations: Vec<Station>,
+    /// Of each stretch between two nodes the one that runs back along it.
+    back: Vec<Option<usize>>,
 }
 
 impl Track {
@@ -36,7 +40,32 @@ impl Track {
             let along = stations.last().map_or(0.0, |last| last.along + last.at.distance(node.at));
             stations.push(Station { along, at: node.at, lean: node.lean });
         }
-        Self { stations }
+        let count = walk.nodes.len();
+        let ends = |i: usize| [walk.nodes[i], walk.nodes[(i + 1) % count]];
+        let places: HashMap<[usize; 2], usize> = (0..count).map(|i| (ends(i), i)).collect();
+        let back = (0..count).map(|i| {
+            let [from, to] = ends(i);
+            places.get(&[to, from]).copied().filter(|&other| other != i)
+        });
+        Self { stations, back: back.collect() }
+    }
+
+    /// The place where the walk comes by again, back along the same line; `None` where it does not.
+    pub fn mirrored(&self, along: f64) -> Option<f64> {
+        let length = self.length().max(f64::MIN_POSITIVE);
+        let once = along - (along / length).floor() * length;
+        let stretch = self.stations.partition_point(|station| station.along <= once).max(1) - 1;
+        let back = self.back.get(stretch).copied().flatten()?;
+        Some(self.stations[back + 1].along - (once - self.stations[stretch].along))
+    }
+
+    /// Whether a stretch between two neighbouring nodes runs back along what was passed since `since`.
+    pub fn retraces(&self, since: f64, [from, to]: [f64; 2]) -> bool {
+        let Some(middle) = self.mirrored(0.5 * (from + to)) else { return false };
+        let (length, half) = (self.length().max(f64::MIN_POSITIVE), 0.5 * (to - from));
+        // The last time before `from` that it was passed.
+        let turn = ((from - (middle + half) + NEAR) / length).floor() * length;
+        middle - half + turn >= since - NEAR
     }
 
     /// Once around, millimetres.

@@ -44,6 +44,8 @@ pub struct Preview<'a> {
     pub target: &'a str,
     /// What the sheet is made from instead of this picture.
     pub made_from: &'a str,
+    /// What makes the groove as wide as it is: the kerf or the tool.
+    pub groove: &'a str,
     /// Key figures: label and value with its unit, in the order of importance.
     pub figures: &'a [(String, String)],
 }
@@ -114,6 +116,7 @@ pub fn write<W: Write>(preview: &Preview<'_>, mut out: W) -> Result<(), WritePre
         opening: &opening,
         worst: worst(&preview.fabrication.hinges),
         corner: Corner::nearest_to_middle(preview.fabrication),
+        groove: preview.groove,
         simplified: preview.fabrication.design.pieces.len() > DETAILED_PIECES,
     };
     let subtitle = format!(
@@ -141,6 +144,8 @@ struct Scene<'a> {
     worst: Vec<&'a HingeRow>,
     /// The corner that is shown enlarged.
     corner: Option<Corner<'a>>,
+    /// What makes a groove as wide as it is.
+    groove: &'a str,
     /// Whether fine detail is left out.
     simplified: bool,
 }

@@ -49,6 +49,8 @@ pub struct Tool {
     pub flutes: f64,
     /// Feed along the path, mm/min.
     pub feed: f64,
+    /// Feed where the groove is already cut at that depth, mm/min: on the way back along it.
+    pub retrace: f64,
     /// Feed along the tool's axis, mm/min.
     pub plunge: f64,
     /// Depth of a pass, millimetres.
@@ -84,6 +86,7 @@ pub(super) struct RawTool {
     flutes: Spanned<f64>,
     chip_load_mm: Spanned<f64>,
     feed_mm_per_min: Spanned<f64>,
+    retrace_mm_per_min: Option<Spanned<f64>>,
     plunge_mm_per_min: Spanned<f64>,
     step_down_mm: Spanned<f64>,
     ramp_deg: Spanned<f64>,
@@ -106,10 +109,13 @@ pub(super) fn tool(source: &TomlSource, raw: &RawTool, thickness: f64) -> Result
         }
         Err(source.value_error(value.span(), "not a whole number", "a count: 1, 2, 3"))
     };
+    let feed = source.number(&raw.feed_mm_per_min, &FEED)?;
+    let retrace = raw.retrace_mm_per_min.as_ref().map(|value| source.number(value, &FEED)).transpose()?;
     let tool = Tool {
         spindle: source.number(&raw.spindle_rpm, &SPINDLE)?,
         flutes: whole(&raw.flutes, &FLUTES)?,
-        feed: source.number(&raw.feed_mm_per_min, &FEED)?,
+        feed,
+        retrace: retrace.unwrap_or(feed),
         plunge: source.number(&raw.plunge_mm_per_min, &FEED)?,
         step_down: source.number(&raw.step_down_mm, &STEP_DOWN)?,
         ramp: source.number(&raw.ramp_deg, &RAMP)? * PI / 180.0,
@@ -133,6 +139,10 @@ fn check(source: &TomlSource, raw: &RawTool, tool: &Tool, thickness: f64) -> Res
     if (tool.feed / wanted - 1.0).abs() > FEED_PLAY {
         let what = format!("not spindle_rpm x flutes x chip_load_mm = {wanted:.1} mm/min");
         return Err(source.value_error(raw.feed_mm_per_min.span(), &what, "change one of the four"));
+    }
+    if let Some(retrace) = raw.retrace_mm_per_min.as_ref().filter(|_| tool.retrace < tool.feed) {
+        let what = format!("too small: allowed is at least feed_mm_per_min = {}", tool.feed);
+        return Err(source.value_error(retrace.span(), &what, "leave the key out to go back at the feed"));
     }
     let needed = thickness + tool.breakthrough;
     if tool.flute_length < needed {

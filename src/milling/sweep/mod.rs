@@ -10,6 +10,8 @@
 
 pub mod finding;
 
+mod grooves;
+
 pub mod moves;
 
 pub mod section;

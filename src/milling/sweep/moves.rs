@@ -1,6 +1,7 @@
 //! What needs no material: heights of rapid moves, shank and holder, spindle, feeds, jumps.
 
 use super::finding::{Finding, Trouble};
+use super::grooves::Grooves;
 use super::{Move, Wanted};
 use crate::geometry::Point3;
 use crate::milling::toolpath::{Pose, Rate};
@@ -34,9 +35,10 @@ pub struct Moves {
 /// Looks at every move; of each kind of trouble the first few are told.
 pub fn check(moves: &[Move], wanted: &Wanted) -> Moves {
     let mut all = Moves { findings: Vec::new(), rapid: f64::INFINITY, shank: f64::INFINITY, cut: 0.0 };
+    let grooves = Grooves::new(moves, wanted.tool.feed * (1.0 + RATE_PLAY));
     for (step, a_move) in moves.iter().enumerate() {
         if over_stock(a_move, wanted) {
-            heights(step, a_move, wanted, &mut all);
+            heights(step, a_move, wanted, &grooves, &mut all);
         }
         if let Some(last) = step.checked_sub(1).map(|last| &moves[last]) {
             let jump = (last.to.tip - a_move.from.tip).norm() + last.to.axis.angle(&a_move.from.axis);
@@ -72,7 +74,7 @@ fn over_stock(a_move: &Move, wanted: &Wanted) -> bool {
     !(beyond(a[0].min(b[0]), a[1].max(b[1]), width) || beyond(a[2].min(b[2]), a[3].max(b[3]), height))
 }
 
-fn heights(step: usize, a_move: &Move, wanted: &Wanted, all: &mut Moves) {
+fn heights(step: usize, a_move: &Move, wanted: &Wanted, grooves: &Grooves, all: &mut Moves) {
     let tool = wanted.tool;
     let findings = &mut all.findings;
     let lowest = lowest(a_move, 0.0, wanted.radius);
@@ -110,7 +112,12 @@ fn heights(step: usize, a_move: &Move, wanted: &Wanted, all: &mut Moves) {
     }
     // Straight down into the material is a plunge; along a ramp it is not.
     let steep = -way.z > way.norm() * (1.5 * tool.ramp).sin().max(0.5_f64.sin()) && way.norm() > PLAY;
-    let limit = if steep { tool.plunge.max(1.0) } else { tool.feed };
+    let faster = feed > tool.feed * (1.0 + RATE_PLAY) && feed <= tool.retrace * (1.0 + RATE_PLAY);
+    let limit = match steep {
+        true => tool.plunge.max(1.0),
+        false if faster && grooves.is_empty_at(step, a_move) => tool.retrace,
+        false => tool.feed,
+    };
     tell(findings, Trouble::Feed, at, feed, limit * (1.0 + RATE_PLAY), step);
     if feed <= 0.0 || feed.is_nan() {
         findings.push(Finding {

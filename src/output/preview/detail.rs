@@ -160,7 +160,7 @@ fn enlarged(scene: &Scene, corner: &Corner, window: Rect) -> Group {
         .add(drawing)
         .add(frame)
         .add(dimensions(corner, layout, map, window))
-        .add(if scene.opening.closes { Group::new() } else { kerf_dimension(layout, map, window) })
+        .add(if scene.opening.closes { Group::new() } else { groove_dimension(scene, map, window) })
 }
 
 /// The ligaments' rectangles, wide enough to show through wherever pieces and grooves leave them free.
@@ -282,14 +282,15 @@ fn dimensions(corner: &Corner, layout: &CutLayout, map: Affine, window: Rect) ->
     group
 }
 
-/// The kerf at the slit that passes.
-fn kerf_dimension(layout: &CutLayout, map: Affine, window: Rect) -> Group {
+/// The width of the slit that passes.
+fn groove_dimension(scene: &Scene, map: Affine, window: Rect) -> Group {
+    let layout = &scene.fabrication.layout;
     let kerf = layout.kerf;
     let x = window.x0 + 0.08 * window.width();
     let at = Point::new(x, slit_height(&layout.paths, map, x, window.center().y));
     let half = Vec2::new(0.0, 0.5 * kerf * scale_of(map));
     let label = Point::new(window.x0 + 1.0, at.y - half.y - 6.6);
-    let name = text_with_halo(label, 3.2, &millimetres("kerf", kerf), "start");
+    let name = text_with_halo(label, 3.2, &millimetres(scene.groove, kerf), "start");
     Group::new().add(dimension(at - half, at + half)).add(name)
 }
 

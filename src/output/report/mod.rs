@@ -82,6 +82,10 @@ pub struct Report<'a> {
     pub plan: Option<&'a CutPlan>,
     /// What the summary says of that, one line each.
     pub cutting: &'a [String],
+    /// The set-up sheet of a sheet that is milled: label and value.
+    pub setup: &'a [(&'static str, String)],
+    /// Where its program may be begun again, the first line saying how.
+    pub restarts: &'a [String],
     /// What is seen besides.
     pub seen: Seen<'a>,
 }
@@ -164,6 +168,8 @@ fn object(report: &Report) -> Value {
         "words": words,
         "cut": report.plan.map_or_else(Vec::new, |plan| cut(&plan.report, profile)),
         "cut_lines": report.cutting,
+        "setup": report.setup,
+        "restarts": report.restarts,
         "steps": steps::steps(report),
         "stages": report.stages.iter().map(stage).collect::<Vec<_>>(),
     })

@@ -98,6 +98,10 @@ function textParts() {
   byId("cutting").hidden = DATA.cut.length === 0;
   byId("cut").tBodies[0].append(...DATA.cut.map(row));
   byId("cut-lines").append(...DATA.cut_lines.map((text) => element("li", {}, text)));
+  byId("setup").hidden = DATA.setup.length === 0;
+  byId("setup").tBodies[0].append(...DATA.setup.map(row));
+  byId("restarts").hidden = DATA.restarts.length === 0;
+  byId("restarts").lastElementChild.textContent = DATA.restarts.join("\n");
 }
 
 function limitRow({ what, value, limit, kept }) {
