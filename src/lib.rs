@@ -15,7 +15,7 @@
 //!
 //! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `import` uses `kirigami` and
 //! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `snap` uses these and `solver`, `solid` all but the
-//! latter; `milling` uses `solid` and what it uses; `machine` takes the path that `milling` made; `output` writes what it is given and decides nothing; `verify` reads machine files back and holds them against
+//! latter; `morph` uses `snap` and `solid`; `milling` uses `solid` and what it uses; `machine` takes the path that `milling` made; `output` writes what it is given and decides nothing; `verify` reads machine files back and holds them against
 //! design and profile; `pipeline` and `cli` use all. No arrow goes back.
 
 pub mod toml_source;
@@ -39,6 +39,8 @@ pub mod fabrication;
 pub mod solid;
 
 pub mod snap;
+
+pub mod morph;
 
 pub mod milling;
 

@@ -33,6 +33,19 @@ impl RigidMotion {
         Point3::from(self.rotation * p.coords + self.translation)
     }
 
+    /// No motion.
+    pub fn identity() -> Self {
+        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+    }
+
+    /// First `first`, then this one.
+    pub fn after(&self, first: &Self) -> Self {
+        Self {
+            rotation: self.rotation * first.rotation,
+            translation: self.rotation * first.translation + self.translation,
+        }
+    }
+
     /// The motion back.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use super::cell::wells;
 use super::joint::{Joint, Parting, Turning};
 use super::ligament::Ligament;
-use super::pose::Layout;
+use super::pose::{Layout, Pose};
 use crate::geometry::rotation::{RigidMotion, axis_angle};
 use crate::geometry::{Point3, Vector3, centroid};
 use crate::kirigami::design::{Design, Hinge, State};
@@ -65,6 +65,8 @@ pub struct SheetSnap {
 
 /// Accuracy of a minimum: the last step lowers the energy by less than this fraction.
 const TOLERANCE: f64 = 1e-9;
+/// The same for positions that are only to be seen: a tenth of it moves no piece by a thousandth of an edge.
+const WAY_TOLERANCE: f64 = 1e-3;
 /// Most steps to a minimum. Where the bending nearly overcomes the misfit they converge slowly.
 const MOST_STEPS: usize = 200;
 /// A well counts from this part of the hill's energy: what the minimisation leaves uncertain is less.
@@ -160,31 +162,73 @@ impl Sheet {
         samples
     }
 
+    /// The way of least misfit: motions of the pieces from the closed state where the drive turns every hinge by these parts
+    /// of its full angle, one after the other from the state that `openings` begins with, 0 or 1. Ligaments do not resist
+    /// the turn, so that both states are free of energy. The sheet as a whole stands where the closed one does, on the
+    /// mean: the motion from there to the open state is left out.
+    pub fn way(&self, openings: &[f64]) -> Vec<Vec<RigidMotion>> {
+        let mut system = System::new(self.layout.places());
+        let from_open = openings.first().is_some_and(|&opening| opening > 0.5);
+        let mut x = if from_open { self.open.clone() } else { vec![0.0; self.open.len()] };
+        let mut before = x.clone();
+        let mut way = Vec::new();
+        let options = Options {
+            energy_tolerance: WAY_TOLERANCE,
+            damping: 1e-8,
+            energy_floor: 1e-12 * self.drive.iter().sum::<f64>(),
+            ..Options::default()
+        };
+        for (i, &opening) in openings.iter().enumerate() {
+            // Straight on, by the steps' lengths.
+            let ratio = match i {
+                0 | 1 => 0.0,
+                _ => (opening - openings[i - 1]) / (openings[i - 1] - openings[i - 2]),
+            };
+            let ahead: Vec<f64> =
+                x.iter().zip(&before).map(|(now, then)| now + ratio * (now - then)).collect();
+            before = std::mem::replace(&mut x, ahead);
+            self.settle(&mut system, &mut x, opening, [0.0, 1.0], &options);
+            way.push((0..self.layout.centres.len()).map(|piece| self.motion(&x, piece)).collect());
+        }
+        way
+    }
+
+    /// The motion of a piece from the closed state.
+    fn motion(&self, x: &[f64], piece: usize) -> RigidMotion {
+        let Pose { centre, rotation, .. } = self.layout.pose(x, piece);
+        RigidMotion { rotation, translation: centre.coords - rotation * self.layout.centres[piece].coords }
+    }
+
     /// Minimises the energy, with the drive at a share or without it.
     fn minimise(&self, system: &mut System, x: &mut [f64], share: Option<f64>) {
-        let Self { layout, joints, drive, .. } = self;
-        let weighted = |term, weight| Weighted { term, weight, coupling: Coupling::Full };
-        let mut terms = [
-            weighted(Box::new(Parting::new(layout, joints)) as _, 1.0),
-            weighted(Box::new(Turning::bending(layout, joints)) as _, 1.0),
-            weighted(
-                Box::new(Turning::drive(
-                    layout,
-                    joints,
-                    drive,
-                    share.map_or(0.0, |share| self.opening(share)),
-                )) as _,
-                if share.is_some() { 1.0 } else { 0.0 },
-            ),
-        ];
+        let drive = if share.is_some() { 1.0 } else { 0.0 };
         let options = Options {
             iterations: MOST_STEPS,
             energy_tolerance: TOLERANCE,
             damping: 1e-8,
-            energy_floor: 1e-18 * drive.iter().sum::<f64>(),
+            energy_floor: 1e-18 * self.drive.iter().sum::<f64>(),
             ..Options::default()
         };
-        system.minimize(&mut terms, x, &options, &mut |_| ControlFlow::Continue(()));
+        self.settle(system, x, share.map_or(0.0, |share| self.opening(share)), [1.0, drive], &options);
+    }
+
+    /// Minimises the energy with the drive at a part of the full angles; weights of bending and drive.
+    fn settle(
+        &self,
+        system: &mut System,
+        x: &mut [f64],
+        opening: f64,
+        [bending, driving]: [f64; 2],
+        options: &Options,
+    ) {
+        let Self { layout, joints, drive, .. } = self;
+        let weighted = |term, weight| Weighted { term, weight, coupling: Coupling::Full };
+        let mut terms = [
+            weighted(Box::new(Parting::new(layout, joints)) as _, 1.0),
+            weighted(Box::new(Turning::bending(layout, joints)) as _, bending),
+            weighted(Box::new(Turning::drive(layout, joints, drive, opening)) as _, driving),
+        ];
+        system.minimize(&mut terms, x, options, &mut |_| ControlFlow::Continue(()));
     }
 
     /// The part of the full angles, from the closed state, at a share of the way; and the other way round.
@@ -292,4 +336,4 @@ fn drive_stiffness(design: &Design, joint: &Joint) -> f64 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

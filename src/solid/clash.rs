@@ -28,7 +28,7 @@ pub const PLAY: f64 = 0.01;
 const LINES: f64 = 64.0;
 
 /// A piece in the other state.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
     /// The piece in the sheet state, without ligaments: one outline.
     pub plate: Plate,
@@ -57,6 +57,13 @@ pub struct Clash {
     pub at: Point3,
     /// The other state's name.
     pub state: &'static str,
+}
+
+impl Clash {
+    /// By how much it is deeper than it may be, millimetres; negative where it may pass.
+    pub fn excess(&self) -> f64 {
+        self.depth - self.limit
+    }
 }
 
 impl fmt::Display for Clash {
@@ -119,6 +126,20 @@ pub fn deepest(
     thickness: f64,
     walls: Walls,
 ) -> Result<Option<Clash>, SolidError> {
+    match overlaps(state, rows, pieces, thickness, walls) {
+        [_, Some(clash)] if clash.excess() > 0.0 => Err(SolidError::Clash(clash)),
+        [deepest, _] => Ok(deepest),
+    }
+}
+
+/// The deepest overlap of any two pieces, and the one that exceeds its limit most or comes nearest to it.
+pub fn overlaps(
+    state: &'static str,
+    rows: &[HingeRow],
+    pieces: &[Placed],
+    thickness: f64,
+    walls: Walls,
+) -> [Option<Clash>; 2] {
     let solids = solids(rows, pieces, thickness, walls);
     let half = 0.5 * thickness;
     let boxes: Vec<GeomWithData<Rectangle<[f64; 3]>, usize>> =
@@ -153,10 +174,7 @@ pub fn deepest(
         .collect();
     let mut worst = [None, None];
     found.iter().flatten().flatten().for_each(|clash| keep(&mut worst, *clash));
-    match worst {
-        [_, Some(clash)] if clash.depth > clash.limit => Err(SolidError::Clash(clash)),
-        [deepest, _] => Ok(deepest),
-    }
+    worst
 }
 
 /// Keeps the deepest and the one with the largest excess; the first of equals.
@@ -164,7 +182,7 @@ fn keep([deepest, excess]: &mut [Option<Clash>; 2], clash: Clash) {
     if deepest.is_none_or(|old| clash.depth > old.depth) {
         *deepest = Some(clash);
     }
-    if excess.is_none_or(|old| clash.depth - clash.limit > old.depth - old.limit) {
+    if excess.is_none_or(|old| clash.excess() > old.excess()) {
         *excess = Some(clash);
     }
 }

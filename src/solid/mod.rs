@@ -85,15 +85,9 @@ pub struct ThickSheet {
 /// Walls that meet between their mid-plane and a face, outlines that touch themselves, pieces that
 /// interpenetrate.
 pub fn thicken(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<ThickSheet, SolidError> {
-    let strokes = Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf);
-    let rulings = match walls {
-        Walls::Vertical => None,
-        Walls::Ruled => Some(Rulings::new(&strokes, &sheet.hinges, thickness)?),
-    };
-    let ruled = |plate: Plate| match &rulings {
-        Some(rulings) => rulings.rule(&plate),
-        None => plate,
-    };
+    let strokes = strokes(sheet);
+    let rulings = rulings(sheet, &strokes, thickness, walls)?;
+    let ruled = |plate: Plate| ruled(plate, rulings.as_ref());
     let in_other_state = || {
         let pieces = placed(sheet, ruled)?;
         let clash = deepest(other_name(&sheet.design), &sheet.hinges, &pieces, thickness, walls)?;
@@ -118,6 +112,40 @@ pub fn thicken(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<Thic
     };
     let axis_error = sheet.hinges.iter().map(|row| error(row.tilt)).fold(0.0, f64::max);
     Ok(ThickSheet { part, volume, moved, axis_error, clash })
+}
+
+/// The pieces of a checked sheet as plates, with their motions into the other state.
+///
+/// # Errors
+/// As [`thicken`], but for walls that meet and pieces that interpenetrate.
+pub fn pieces(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<Vec<Placed>, SolidError> {
+    let strokes = strokes(sheet);
+    let rulings = rulings(sheet, &strokes, thickness, walls)?;
+    placed(sheet, |plate| ruled(plate, rulings.as_ref()))
+}
+
+fn strokes(sheet: &Fabrication) -> Strokes {
+    Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf)
+}
+
+/// How walls run that follow the hinges' axes.
+fn rulings<'a>(
+    sheet: &Fabrication,
+    strokes: &'a Strokes,
+    thickness: f64,
+    walls: Walls,
+) -> Result<Option<Rulings<'a>>, SolidError> {
+    match walls {
+        Walls::Vertical => Ok(None),
+        Walls::Ruled => Rulings::new(strokes, &sheet.hinges, thickness).map(Some),
+    }
+}
+
+fn ruled(plate: Plate, rulings: Option<&Rulings>) -> Plate {
+    match rulings {
+        Some(rulings) => rulings.rule(&plate),
+        None => plate,
+    }
 }
 
 /// Every piece's plate with its motion into the other state.

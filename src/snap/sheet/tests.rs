@@ -7,7 +7,7 @@ use crate::kirigami::design::{PatternKind, Piece};
 use crate::kirigami::hinges::{Joint as Vertices, assemble};
 
 /// A regular sheet: cells of 20 mm, rectangles of `side`, without a gap.
-fn bistable(side: f64, degrees: f64, counts: [usize; 2]) -> Design {
+pub(crate) fn bistable(side: f64, degrees: f64, counts: [usize; 2]) -> Design {
     let cell =
         BistableCell { cell: [20.0; 2], rectangle: [side; 2], phi: f64::to_radians(degrees), gap: 0.0 };
     let (mesh, pattern) = regular(&cell, counts);
@@ -19,7 +19,7 @@ fn snapped(design: &Design, ligament: &Ligament) -> SheetSnap {
 }
 
 /// Squares of side 10 that turn by 40 degrees, neighbours in opposite senses: a mechanism.
-fn squares(columns: i32, rows: i32) -> Design {
+pub(crate) fn squares(columns: i32, rows: i32) -> Design {
     let turn = 40_f64.to_radians();
     let pitch = 10.0 * (turn.cos() + turn.sin());
     let mut pieces = Vec::new();
