@@ -61,7 +61,7 @@ pub fn run(
         snap: snap.as_ref(),
         plan: plan.as_ref(),
         milled: None,
-        seen: Seen { targets: &made.targets, map: map.as_deref() },
+        seen: Seen { targets: &made.targets, map: map.as_deref(), morph: None },
     };
     let fabrication = &job.fabrication;
     let (target, hashes, shown) = (input.target_name(), source_hashes(&job, job_file), figures(&made));

@@ -25,6 +25,7 @@ use crate::fabrication::product::Product;
 use crate::geometry::closest::ClosestPoints;
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Limits, Quality};
+use crate::morph::Morph;
 use crate::profile::{Material, Process, Profile, Shape, embedded};
 use crate::snap::assess::Snap;
 
@@ -90,13 +91,15 @@ pub struct Report<'a> {
     pub seen: Seen<'a>,
 }
 
-/// What the page shows of the targets; nothing where they are not known.
+/// What the page shows besides; nothing of what is not known.
 #[derive(Clone, Copy, Default)]
 pub struct Seen<'a> {
     /// The surfaces that states are to become, in the design's coordinates of the state.
     pub targets: &'a [(State, ClosestPoints)],
     /// The map of where the target asks for how much stretch, as SVG.
     pub map: Option<&'a str>,
+    /// The way between the states.
+    pub morph: Option<&'a Morph>,
 }
 
 /// Writes the page.

@@ -8,11 +8,14 @@ mod encode;
 
 mod target;
 
+mod way;
+
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 use serde_json::{Value, json};
 
 use super::Report;
 use crate::fabrication::product::Product;
+use crate::fabrication::states::motions;
 use crate::geometry::closest::ClosestPoints;
 use crate::geometry::rotation::{RigidMotion, nearest_rotation};
 use crate::geometry::{Point3, Vector3, centroid};
@@ -30,10 +33,10 @@ const MOST_NUMBERS: usize = 600_000;
 /// Numbers of a pose: place and quaternion.
 const POSE: usize = 7;
 
-/// A piece's outline in its own frame, and how that frame lies in the closed state.
+/// A piece's outline in its own frame, and how that frame lies in the sheet state (closed, where neither is flat).
 struct Shape {
     outline: Vec<[f64; 2]>,
-    closed: RigidMotion,
+    lies: RigidMotion,
 }
 
 /// A moment of the way.
@@ -53,7 +56,7 @@ pub fn object(report: &Report) -> Value {
         return Value::Null;
     }
     let shapes = shapes(report.product);
-    let moments = chosen(moments(design, &shapes));
+    let moments = chosen(moments(report, &shapes));
     let last = moments.len() - 1;
     let step_of = |state| if state == State::Open { last } else { 0 };
     let rest = step_of(design.sheet_state.unwrap_or(State::Closed));
@@ -82,6 +85,7 @@ pub fn object(report: &Report) -> Value {
         "targets": targets.clone().map(|(state, surface)| {
             target::object(*state, surface.mesh(), &moments[step_of(*state)].page)
         }).collect::<Vec<_>>(),
+        "way": report.seen.morph.map(|morph| way::object(morph, moments.len())),
         "distance": distances(design, report.seen.targets),
     })
 }
@@ -90,23 +94,16 @@ pub fn object(report: &Report) -> Value {
 fn shapes(product: &Product) -> Vec<Shape> {
     match product {
         Product::Sheet(sheet) => {
-            let pieces = sheet.outlines.iter().zip(&sheet.design.pieces);
-            let shape = |(outline, piece): (&Vec<[f64; 2]>, &Piece)| {
+            let shape = |outline: &Vec<[f64; 2]>| {
                 let points: Vec<Point> = outline.iter().map(|&p| Point::from((p[0], p[1]))).collect();
                 let points = simplified(&points, TOLERANCE);
-                let count = points.len().max(1) as f64;
-                let middle = points.iter().map(|p| p.to_vec2()).sum::<kurbo::Vec2>() / count;
-                let lies = RigidMotion {
-                    rotation: Matrix3::identity(),
-                    translation: Vector3::new(middle.x, middle.y, 0.0),
-                };
-                let closed = match sheet.design.sheet_state {
-                    Some(State::Open) => after(&RigidMotion::fit(&piece.open, &piece.closed), &lies),
-                    _ => lies,
-                };
-                Shape { outline: points.iter().map(|p| [p.x - middle.x, p.y - middle.y]).collect(), closed }
+                let middle =
+                    points.iter().map(|p| p.to_vec2()).sum::<kurbo::Vec2>() / points.len().max(1) as f64;
+                let translation = Vector3::new(middle.x, middle.y, 0.0);
+                let outline = points.iter().map(|p| [p.x - middle.x, p.y - middle.y]).collect();
+                Shape { outline, lies: RigidMotion { rotation: Matrix3::identity(), translation } }
             };
-            pieces.map(shape).collect()
+            sheet.outlines.iter().map(shape).collect()
         }
         Product::Assembly(assembly) => {
             let normals = normals(&assembly.design, State::Closed);
@@ -122,13 +119,13 @@ fn in_space(polygon: &[Point3], up: &Vector3, [right, away]: [Vector3; 2]) -> Sh
     let across = |v: Vector3| (v - up * v.dot(up)).try_normalize(1e-3);
     let x = across(right).or_else(|| across(away)).unwrap_or_else(Vector3::x);
     let rotation = Matrix3::from_columns(&[x, up.cross(&x), *up]);
-    let closed = RigidMotion { rotation, translation: centroid(polygon).coords };
-    let back = closed.inverse();
+    let lies = RigidMotion { rotation, translation: centroid(polygon).coords };
+    let back = lies.inverse();
     let flat = |p: &Point3| {
         let p = back.apply(p);
         [p.x, p.y]
     };
-    Shape { outline: polygon.iter().map(flat).collect(), closed }
+    Shape { outline: polygon.iter().map(flat).collect(), lies }
 }
 
 /// The motion `second` after `first`.
@@ -139,13 +136,18 @@ fn after(second: &RigidMotion, first: &RigidMotion) -> RigidMotion {
     }
 }
 
-/// The two states.
-fn moments(design: &Design, shapes: &[Shape]) -> Vec<Moment> {
-    let still = RigidMotion { rotation: Matrix3::identity(), translation: Vector3::zeros() };
-    let opened: Vec<RigidMotion> =
-        design.pieces.iter().map(|piece| RigidMotion::fit(&piece.closed, &piece.open)).collect();
-    let closed = vec![still; design.pieces.len()];
-    [(0.0, closed), (1.0, opened)].into_iter().map(|(at, motions)| moment(at, &motions, shapes)).collect()
+/// The steps of the way, or where none was found the two states alone.
+fn moments(report: &Report, shapes: &[Shape]) -> Vec<Moment> {
+    if let Some(morph) = report.seen.morph {
+        return morph.steps.iter().map(|step| moment(step.at, &step.poses, shapes)).collect();
+    }
+    let design = report.product.design();
+    let still = vec![RigidMotion::identity(); design.pieces.len()];
+    let mut ends = [still, motions(design)];
+    if design.sheet_state == Some(State::Open) {
+        ends.reverse();
+    }
+    [0.0, 1.0].into_iter().zip(ends).map(|(at, motions)| moment(at, &motions, shapes)).collect()
 }
 
 /// As many moments as the page has room for, evenly, with both ends.
@@ -158,10 +160,10 @@ fn chosen(moments: Vec<Moment>) -> Vec<Moment> {
     moments.filter(|(i, _)| kept.binary_search(i).is_ok()).map(|(_, moment)| moment).collect()
 }
 
-/// `motions`: of each piece from the closed state.
+/// `motions`: of each piece from where it lies.
 fn moment(at: f64, motions: &[RigidMotion], shapes: &[Shape]) -> Moment {
     let placed: Vec<RigidMotion> =
-        motions.iter().zip(shapes).map(|(motion, shape)| after(motion, &shape.closed)).collect();
+        motions.iter().zip(shapes).map(|(motion, shape)| after(motion, &shape.lies)).collect();
     let count = placed.len() as f64;
     let turned = nearest_rotation(&placed.iter().map(|pose| pose.rotation).sum()).transpose();
     let middle = placed.iter().map(|pose| pose.translation).sum::<Vector3>() / count;

@@ -56,6 +56,7 @@ function wayChart({ title, unit, values, band, digits: decimals }) {
 function drawWay() {
   byId("way").hidden = !WAY;
   byId("way-words").hidden = !WAY;
+  byId("way-missing").hidden = WAY !== null;
   if (!WAY) return;
   const hundred = (list) => list.map((value) => 100 * value);
   byId("way").append(
