@@ -15,6 +15,7 @@ mod interrupt;
 mod make;
 mod map;
 mod milled;
+mod morphs;
 mod open_state;
 mod partial;
 mod progress;

@@ -11,10 +11,11 @@ use program::{FILES, Mesh, OPEN_SHEET_FILES, STEEL, asked, design, made, number,
 use serde_json::{Value, json};
 
 /// The files of a result without a flat state, sorted.
-const ASSEMBLY: [&str; 8] = [
+const ASSEMBLY: [&str; 9] = [
     "design.json",
     "hinges.csv",
     "hinges.json",
+    "morph.glb",
     "pieces-closed.stl",
     "pieces-open.stl",
     "preview.svg",

@@ -7,7 +7,7 @@ use super::check::{design_file, lay_out, refuse_failing, without_repeated};
 use super::cut_keys::CutKeys;
 use super::progress::{Reporter, Reporting};
 use super::results::{Extras, Leaving, Results, cut_lines, dry_run_lines, outcome, plan};
-use super::{Failure, events, interrupt, milled, print, solids};
+use super::{Failure, events, interrupt, milled, morphs, print, solids};
 use crate::fabrication::product::Product;
 use crate::job::{DEFAULT_MACHINE, cut_keys};
 use crate::kirigami::quality::{Limits, Quality, measure_alone};
@@ -51,12 +51,14 @@ pub fn run(
         .map_err(|reason| Failure::NotMakeable(format!("{}: {reason}", file.display())))?;
     refuse_failing(product.hinges(), leaving.allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&product, &profile))?;
+    let moving = clock.run("morph", |_| morphs::moving(&product, &profile))?;
     let origin = origin(&bytes, &file, &product);
     options.engrave = options.engrave.map(|_| origin.job.clone());
     let plan = plan(&product, &profile, &options, &mut clock)?;
     let mut extras = Extras {
         solids: thick.as_ref(),
         snap: None,
+        moving: moving.as_ref(),
         plan: plan.as_ref(),
         milled: None,
         seen: Seen::default(),
@@ -163,7 +165,7 @@ fn figures(product: &Product, quality: &Quality) -> Vec<(String, String)> {
 }
 
 fn event(product: &Product, extras: Extras, quality: &Quality, leaving: &Leaving) -> serde_json::Value {
-    let Extras { solids: thick, plan, milled, .. } = extras;
+    let Extras { solids: thick, moving, plan, milled, .. } = extras;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
     serde_json::json!({
@@ -178,6 +180,7 @@ fn event(product: &Product, extras: Extras, quality: &Quality, leaving: &Leaving
         "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
         "figures": figures,
         "solids": thick.map(solids::event),
+        "morph": moving.map(morphs::event),
         "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
         "mill": milled.map(|(milled, machine)| milled::object(milled, machine)),
     })
@@ -186,7 +189,7 @@ fn event(product: &Product, extras: Extras, quality: &Quality, leaving: &Leaving
 fn summary(
     name: &str,
     product: &Product,
-    Extras { solids: thick, plan, milled, .. }: Extras,
+    Extras { solids: thick, moving, plan, milled, .. }: Extras,
     figures: &[(String, String)],
     leaving: &Leaving,
 ) -> String {
@@ -201,6 +204,7 @@ fn summary(
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
+    text += &morphs::summary(moving, product.hinges().len());
     text += &milled.map_or_else(|| cut_lines(plan), milled::lines);
     if leaving.dry_run {
         return text + &dry_run_lines(milled);

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::results::{Extras, Leaving, Results, cut_lines, dry_run_lines, no_cut_file, outcome, plan};
-use super::{Failure, Optimisation, events, interrupt, map, milled, open_state, partial, print, solids};
+use super::{
+    Failure, Optimisation, events, interrupt, map, milled, morphs, open_state, partial, print, solids,
+};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
 use crate::job::{Job, Kind, read_job};
@@ -52,6 +54,7 @@ pub fn run(
     let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
     refuse_failing(made.product.hinges(), allow_failing)?;
     let thick = clock.run("solids", |_| solids::solids(&made.product, &job.fabrication.profile))?;
+    let moving = clock.run("morph", |_| morphs::moving(&made.product, &job.fabrication.profile))?;
     let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     let snap = snapping(&made, &job, &mut clock);
@@ -59,6 +62,7 @@ pub fn run(
     let mut extras = Extras {
         solids: thick.as_ref(),
         snap: snap.as_ref(),
+        moving: moving.as_ref(),
         plan: plan.as_ref(),
         milled: None,
         seen: Seen { targets: &made.targets, map: map.as_deref(), morph: None },
@@ -105,7 +109,7 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 
 /// The last event: figures under their names in design.json, and the files.
 fn result_event(made: &Made, extras: Extras, input: &Input, leaving: &Leaving) -> serde_json::Value {
-    let Extras { solids: thick, snap, plan, milled, .. } = extras;
+    let Extras { solids: thick, snap, moving, plan, milled, .. } = extras;
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
@@ -125,6 +129,7 @@ fn result_event(made: &Made, extras: Extras, input: &Input, leaving: &Leaving) -
         "open": design_json::fit_object(&made.quality, State::Open),
         "cut_file": matches!(product, Product::Sheet(_)),
         "solids": thick.map(solids::event),
+        "morph": moving.map(morphs::event),
         "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
         "mill": milled.map(|(milled, machine)| milled::object(milled, machine)),
         "remark": remark(made, input),
@@ -222,7 +227,7 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
 
 fn summary(made: &Made, extras: Extras, input: &Input, leaving: &Leaving, unused_partial: bool) -> String {
     let folder = leaving.folder;
-    let Extras { solids: thick, snap, plan, milled, .. } = extras;
+    let Extras { solids: thick, snap, moving, plan, milled, .. } = extras;
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let hinges = hinge_report::summary(made.product.hinges());
@@ -237,6 +242,7 @@ fn summary(made: &Made, extras: Extras, input: &Input, leaving: &Leaving, unused
     if let Some(thick) = thick {
         text += &solids::summary(thick);
     }
+    text += &morphs::summary(moving, made.product.hinges().len());
     if let Some(snap) = snap {
         let figures = snap_report::figures(snap);
         let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
@@ -272,6 +278,9 @@ fn summary(made: &Made, extras: Extras, input: &Input, leaving: &Leaving, unused
     text += &files;
     if snap.is_some() {
         text += "  snap.json, snap.svg         energy and torque on the way between the states\n";
+    }
+    if moving.is_some() {
+        text += "  morph.glb                   the pieces on their way between the states, for 3D viewers\n";
     }
     text += "  report.html                 look at this first, in a browser\n\
              \x20 preview.svg                 the same on one page, to print\n\

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use super::morphs::{self, Moving};
 use super::{Failure, milled, setup_sheet};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
@@ -18,13 +19,13 @@ use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{
-    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MOVED, OPEN_SHEET_FILES, OutputFolder, PART, REPORT,
-    SHEET_FILES, SNAP_FILES, SOLIDS,
+    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MORPH, MOVED, OPEN_SHEET_FILES, OutputFolder, PART,
+    REPORT, SHEET_FILES, SNAP_FILES, SOLIDS,
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
 use crate::output::report::{self, Report, Seen};
-use crate::output::{hinge_report, snap_report, svg, toolpath_svg};
+use crate::output::{glb, hinge_report, snap_report, svg, toolpath_svg};
 use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Timings, fingerprint};
 use crate::profile::Profile;
@@ -94,6 +95,8 @@ pub struct Extras<'a> {
     pub solids: Option<&'a ThickSheet>,
     /// How a bistable sheet snaps.
     pub snap: Option<&'a Snap>,
+    /// The way between the states, where it was followed.
+    pub moving: Option<&'a Moving>,
     /// How the sheet is cut, where there is one.
     pub plan: Option<&'a CutPlan>,
     /// The program of a sheet that is milled, and the machine that takes it.
@@ -248,6 +251,10 @@ impl Results<'_> {
             out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
             out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
         }
+        if let Some(Moving { morph, bodies }) = self.extras.moving {
+            let scene = glb::Scene { name: self.name, design: product.design(), bodies, morph };
+            out.write::<WriteError>(MORPH, |file| Ok(glb::write(&scene, file)?))?;
+        }
         out.write::<WriteError>(REPORT, |file| {
             Ok(report::write(&self.report(&self.remarks(), &self.cutting(), &self.setup()), file)?)
         })?;
@@ -276,7 +283,7 @@ impl Results<'_> {
             cutting,
             setup: &setup.rows,
             restarts: &setup.restarts,
-            seen: self.extras.seen,
+            seen: Seen { morph: self.extras.moving.map(|moving| &moving.morph), ..self.extras.seen },
         }
     }
 
@@ -305,6 +312,8 @@ impl Results<'_> {
         if let Some(thick) = self.extras.solids {
             remarks.extend(super::solids::summary(thick).lines().map(|line| line.trim().to_owned()));
         }
+        let way = morphs::summary(self.extras.moving, self.product.hinges().len());
+        remarks.extend(way.lines().map(|line| line.trim().to_owned()));
         if matches!(self.product, Product::Assembly(_)) {
             remarks.push(no_cut_file(&self.profile.name));
         }
@@ -442,6 +451,7 @@ fn file_names(product: &Product, extras: Extras) -> Vec<String> {
         names.splice(1..1, MILL_FILES.map(str::to_owned));
         names.splice(1..1, milled.program.files.iter().map(|(name, _)| name.clone()));
     }
+    names.extend(extras.moving.map(|_| MORPH.to_owned()));
     names.extend(extras.snap.iter().flat_map(|_| SNAP_FILES.map(str::to_owned)));
     names
 }

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use stl_io::{Normal, Triangle, Vertex};
 
 use crate::geometry::Point3;
-use crate::geometry::mesh::PolyMesh;
+use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::plane::doubled_area;
 use crate::geometry::triangulate::{TriangulateError, triangulate};
 use crate::kirigami::design::{Design, Piece, State};
@@ -128,6 +128,26 @@ pub fn piece_solid(
         triangles.push([p - half, q + half, p + half]);
     }
     Ok(triangles)
+}
+
+/// The same as a mesh, whose triangles share their vertices.
+///
+/// # Errors
+/// A polygon that cannot be split into triangles.
+pub fn piece_mesh(piece: &Piece, state: State, thickness: f64) -> Result<TriMesh, TriangulateError> {
+    let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
+    let mut mesh = TriMesh::default();
+    for triangle in piece_solid(piece, state, thickness)? {
+        let number = |point: Point3| {
+            *numbers.entry(<[f64; 3]>::from(point).map(f64::to_bits)).or_insert_with(|| {
+                mesh.vertices.push(point);
+                mesh.vertices.len() - 1
+            })
+        };
+        let face = triangle.map(number);
+        mesh.faces.push(face);
+    }
+    Ok(mesh)
 }
 
 /// The solids of all pieces of a design in one list, in the design's order; see [`piece_solid`].

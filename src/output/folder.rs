@@ -11,6 +11,9 @@ use std::path::{Path, PathBuf};
 /// The finished part as a solid.
 pub const PART: &str = "part.stl";
 
+/// The pieces on their way between the states, animated.
+pub const MORPH: &str = "morph.glb";
+
 /// The page by which a person decides.
 pub const REPORT: &str = "report.html";
 
@@ -94,7 +97,7 @@ pub enum FolderError {
 /// Whether a file is one that a run makes.
 fn is_of_a_run(name: &str) -> bool {
     let lists = [&SHEET_FILES[..], &OPEN_SHEET_FILES, &ASSEMBLY_FILES, &SNAP_FILES, &MILL_FILES];
-    lists.iter().any(|files| files.contains(&name)) || name == PARTIAL || is_program(name)
+    lists.iter().any(|files| files.contains(&name)) || [PARTIAL, MORPH].contains(&name) || is_program(name)
 }
 
 /// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.

@@ -32,6 +32,8 @@ pub mod exchange;
 
 pub mod folder;
 
+pub mod glb;
+
 use crate::fabrication::layout::CutKind;
 
 /// How a layer is called and drawn in machine files.

@@ -69,12 +69,25 @@ pub fn node(program: &str) -> Option<Command> {
 
 /// The same for a program that drives the browser.
 pub fn browser(program: &str) -> Option<Command> {
-    let remedy = "run tests/run as root on Debian, which sets it up";
-    let chromium = in_search_path("chromium", remedy)?;
-    let modules = present(root().join("target/peers/node/node_modules"), remedy)?;
-    let mut command = node(program)?;
-    command.env("NODE_PATH", modules).env("CHROMIUM", chromium);
+    let chromium = in_search_path("chromium", NODE_REMEDY)?;
+    let mut command = packaged(program)?;
+    command.env("CHROMIUM", chromium);
     Some(command)
+}
+
+const NODE_REMEDY: &str = "run tests/run as root on Debian, which sets it up";
+
+/// The same for a program that uses packages of `tests/oracle/node`.
+pub fn packaged(program: &str) -> Option<Command> {
+    let modules = present(root().join("target/peers/node/node_modules"), NODE_REMEDY)?;
+    let mut command = node(program)?;
+    command.env("NODE_PATH", modules);
+    Some(command)
+}
+
+/// The bundle of three.js that `tests/run` made from the lock of `src/output/report/three`.
+pub fn three() -> Option<PathBuf> {
+    present(root().join("target/peers/three/three.min.js"), "run tests/run, which makes it with npm")
 }
 
 /// A fresh empty folder for one test, inside the build folder.

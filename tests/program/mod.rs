@@ -12,12 +12,13 @@ use std::process::Command;
 use serde_json::Value;
 
 /// The files of one run, sorted.
-pub const FILES: [&str; 10] = [
+pub const FILES: [&str; 11] = [
     "cut.dxf",
     "cut.svg",
     "design.json",
     "hinges.csv",
     "hinges.json",
+    "morph.glb",
     "open.stl",
     "part.stl",
     "preview.svg",
@@ -26,13 +27,14 @@ pub const FILES: [&str; 10] = [
 ];
 
 /// The same of a sheet that is cut open.
-pub const OPEN_SHEET_FILES: [&str; 10] = [
+pub const OPEN_SHEET_FILES: [&str; 11] = [
     "closed.stl",
     "cut.dxf",
     "cut.svg",
     "design.json",
     "hinges.csv",
     "hinges.json",
+    "morph.glb",
     "part.stl",
     "preview.svg",
     "report.html",

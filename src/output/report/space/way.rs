@@ -4,10 +4,10 @@ use serde_json::{Value, json};
 
 use crate::morph::{Morph, Step};
 
-/// Parts of an edge below which hinge points are said to stay together: a hundredth of a hair of a piece of 10 mm.
-const STILL: f64 = 1e-5;
+/// Parts of an edge below which hinge points are said to stay together: a micrometre of pieces of 10 mm.
+const STILL: f64 = 1e-4;
 /// Parts of an edge by which the way may miss the closed state without a word.
-const JUMP: f64 = 0.01;
+const JUMP: f64 = 0.05;
 
 /// Figures per step, angles in degrees; `shown`: how many of the steps the view has.
 pub fn object(morph: &Morph, shown: usize) -> Value {
@@ -33,14 +33,14 @@ fn words(morph: &Morph, shown: usize) -> Vec<String> {
     let mut words = Vec::new();
     if worst.strain < STILL {
         words.push(
-            "The sheet moves from one state to the other without strain: it is a mechanism.".to_owned(),
+            "The sheet moves from one state to the other without strain.".to_owned(),
         );
     } else {
         let (parting, hinge) = worst.parting;
         words.push(format!(
-            "No way between the states is free of strain. On the one shown it is largest at {}: there hinge {hinge} would have \
-             to part by {parting:.3} mm, {:.2} % of a piece's edge (all hinges on average by {:.3} mm), which its ligament and \
-             the bending of pieces have to give.",
+            "It cannot move without strain: on the way found that is largest at {}, where the two points of hinge {hinge} would \
+             part by {parting:.3} mm, {:.2} % of an edge (all hinges on average {:.3} mm); ligaments and pieces have to give \
+             that much.",
             share(worst),
             100.0 * worst.strain,
             worst.mean_parting
