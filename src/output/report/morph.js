@@ -91,24 +91,28 @@ function draw() {
   renderer.render(scene, morph.orbit.camera());
 }
 
-// The chosen hinge: a ball at its point and a rod along its axis, both seen through everything.
+// The chosen hinge: a ball at its point and a rod along its axis, both seen through everything and never too small to see.
 function markPicked() {
   const { spot, rod } = morph.scene;
   [spot.visible, rod.visible] = [picked !== null, picked !== null];
-  if (picked === null || spot.hinge === picked) return;
+  if (picked === null) return;
   const hinge = morph.hinges[picked];
   const { size } = morph.read;
-  [spot.hinge, rod.hinge] = [picked, picked];
+  const pixel = morph.orbit.pixel();
+  const radius = Math.max(0.13 * size, 4.5 * pixel);
+  const key = `${picked} ${fixed(radius, 4)}`;
+  if (spot.key === key) return;
+  spot.key = key;
   spot.geometry.dispose();
   rod.geometry.dispose();
-  const ball = new THREE.SphereGeometry(0.11 * size, 20, 12);
+  const ball = new THREE.SphereGeometry(radius, 20, 12);
   const places = ball.getAttribute("position").array;
   const corners = new Float32Array((places.length / 3) * 4);
   for (let i = 0; i < places.length / 3; i += 1) {
     corners.set([...more(hinge.own[0].point, places.slice(3 * i, 3 * i + 3)), hinge.pieces[0]], 4 * i);
   }
   spot.geometry = geometryOf(corners, Uint32Array.from(ball.getIndex().array));
-  rod.geometry = rods([hinge], 0.04 * size, 0.5 * SPACE.thickness + 0.9 * size);
+  rod.geometry = rods([hinge], Math.max(0.04 * size, 1.2 * pixel), Math.max(0.5 * SPACE.thickness + 0.9 * size, 14 * pixel));
 }
 
 function fitSpace() {

@@ -74,11 +74,13 @@ function orbiting(box, changed) {
     changed();
   }
 
+  // Millimetres per pixel at the centre.
+  const pixel = () => (2 * eye.distance * slope) / Math.max(box.clientHeight, 1);
+
   // Moves the picture by pixels.
   function shift(across, down) {
-    const pixel = (2 * eye.distance * slope) / Math.max(box.clientHeight, 1);
     const [right, up] = frameOf();
-    eye.centre.addScaledVector(right, -across * pixel).addScaledVector(up, down * pixel);
+    eye.centre.addScaledVector(right, -across * pixel()).addScaledVector(up, down * pixel());
     changed();
   }
 
@@ -103,7 +105,7 @@ function orbiting(box, changed) {
     eye.flat = flat;
     changed();
   };
-  return { camera, fit, turn, nearer, shift, ray, windowPlace, setFlat, eye };
+  return { camera, fit, turn, nearer, pixel, shift, ray, windowPlace, setFlat, eye };
 }
 
 // Dragging turns; with Shift, the right button or two pointers it moves. `clicked`: where a pointer went up that had not moved.

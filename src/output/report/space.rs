@@ -41,7 +41,7 @@ struct Shape {
 
 /// A moment of the way.
 struct Moment {
-    /// 0 closed to 1 open.
+    /// 0 closed to 1 open: the part of their turn that the hinges have made.
     at: f64,
     /// What takes the design's coordinates of that moment to the page.
     page: RigidMotion,
@@ -139,7 +139,12 @@ fn after(second: &RigidMotion, first: &RigidMotion) -> RigidMotion {
 /// The steps of the way, or where none was found the two states alone.
 fn moments(report: &Report, shapes: &[Shape]) -> Vec<Moment> {
     if let Some(morph) = report.seen.morph {
-        return morph.steps.iter().map(|step| moment(step.at, &step.poses, shapes)).collect();
+        let poses = morph.steps.iter().map(|step| &step.poses);
+        return way::shares(morph)
+            .into_iter()
+            .zip(poses)
+            .map(|(at, poses)| moment(at, poses, shapes))
+            .collect();
     }
     let design = report.product.design();
     let still = vec![RigidMotion::identity(); design.pieces.len()];

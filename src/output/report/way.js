@@ -23,7 +23,7 @@ function wayWords(moment) {
 }
 
 // Curves over the way, with a band between two of them where `band` tells which.
-function wayChart({ title, unit, values, band, digits: decimals }) {
+function wayChart({ title, unit, values, band, digits: decimals, remark = "" }) {
   const all = [values, ...(band ?? [])].flat();
   const [least, most] = extremes(all);
   const [low, high] = [Math.min(least, 0 <= least && least < 0.5 * most ? 0 : least), most];
@@ -32,7 +32,10 @@ function wayChart({ title, unit, values, band, digits: decimals }) {
   const x = (at) => left + at * (width - left - right);
   const y = (value) => height - bottom - ((value - low) / room) * (height - top - bottom);
   const path = (list, from = "M") => list.map((value, i) => `${i ? "L" : from}${fixed(x(WAY.at[i]), 2)} ${fixed(y(value), 2)}`).join("");
-  const words = `closed ${fixed(values[0], decimals)}, open ${fixed(values[values.length - 1], decimals)}, largest ${fixed(extremes(values)[1], decimals)} ${unit}`;
+  const peak = values.indexOf(extremes(values)[1]);
+  const inside = peak > 0 && peak < values.length - 1;
+  const words = (inside ? `largest ${fixed(values[peak], decimals)}${unit} at ${fixed(100 * WAY.at[peak], 0)} % of the turn`
+    : `closed ${fixed(values[0], decimals)}${unit}, open ${fixed(values[values.length - 1], decimals)}${unit}`) + remark;
   const svg = drawn("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `${title} on the way: ${words}`, class: "way" });
   const tick = roundStep(room, 5);
   for (let value = Math.ceil(low / tick - 1e-9) * tick; value <= low + room + 1e-9 * tick; value += tick) {
@@ -40,7 +43,7 @@ function wayChart({ title, unit, values, band, digits: decimals }) {
     svg.append(note(left - 5, y(value) + 4, fixed(value, Math.max(0, -Math.floor(Math.log10(tick) + 1e-9))), "end"));
   }
   for (const at of [0, 0.25, 0.5, 0.75, 1]) svg.append(note(x(at), height - bottom + 14, `${100 * at}`));
-  svg.append(note(0.5 * (left + width - right), height - 4, "% of the way from closed to open"));
+  svg.append(note(0.5 * (left + width - right), height - 4, "% of the turn from closed to open"));
   if (band) {
     const back = band[1].map((value, i) => `L${fixed(x(WAY.at[i]), 2)} ${fixed(y(value), 2)}`).reverse().join("");
     svg.append(drawn("path", { class: "band", d: `${path(band[0])}${back}Z` }));
@@ -60,9 +63,9 @@ function drawWay() {
   if (!WAY) return;
   const hundred = (list) => list.map((value) => 100 * value);
   byId("way").append(
-    wayChart({ title: "Hinge angles", unit: "degrees, mean; band: least to largest", values: WAY.angle_mean, band: [WAY.angle_min, WAY.angle_max], digits: 1 }),
-    wayChart({ title: "Area", unit: "times the closed one", values: WAY.area, digits: 3 }),
-    wayChart({ title: "Path strain", unit: "%", values: hundred(WAY.strain), digits: 3 }));
+    wayChart({ title: "Hinge angles", unit: "\u00b0", remark: "; the mean, in the band of least and largest", values: WAY.angle_mean, band: [WAY.angle_min, WAY.angle_max], digits: 1 }),
+    wayChart({ title: "Area", unit: " of the closed one", values: WAY.area, digits: 3 }),
+    wayChart({ title: "Path strain", unit: " %", remark: "; how far hinge points would part, of an edge", values: hundred(WAY.strain), digits: 3 }));
   byId("way-words").append(...WAY.words.map((text) => element("li", {}, text)));
 }
 

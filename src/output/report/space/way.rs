@@ -6,6 +6,8 @@ use crate::morph::{Morph, Step};
 
 /// Parts of an edge below which hinge points are said to stay together: a micrometre of pieces of 10 mm.
 const STILL: f64 = 1e-4;
+/// Steps apart by less than this part of the turn are not told apart.
+const LEAST_STEP: f64 = 1e-6;
 /// Parts of an edge by which the way may miss the closed state without a word.
 const JUMP: f64 = 0.05;
 
@@ -16,7 +18,7 @@ pub fn object(morph: &Morph, shown: usize) -> Value {
         morph.steps.iter().map(|step| (figure(step) * scale).round() / scale + 0.0).collect()
     };
     json!({
-        "at": list(&|step| step.at, 6),
+        "at": shares(morph).into_iter().map(|share| (share * 1e6).round() / 1e6).collect::<Vec<_>>(),
         "strain": list(&|step| step.strain, 8),
         "area": list(&|step| step.area_expansion, 5),
         "angle_min": list(&|step| step.angles[0].to_degrees(), 3),
@@ -27,14 +29,23 @@ pub fn object(morph: &Morph, shown: usize) -> Value {
     })
 }
 
+/// How far open every step is, 0 to 1: the part of their turn that its hinges have made, or where that does not grow from
+/// step to step the step's place in the row.
+pub fn shares(morph: &Morph) -> Vec<f64> {
+    let mut shares: Vec<f64> = morph.steps.iter().map(|step| step.share).collect();
+    if let [first, .., last] = shares.as_mut_slice() {
+        (*first, *last) = (0.0, 1.0);
+    }
+    let grows = shares.windows(2).all(|pair| pair[1] - pair[0] > LEAST_STEP);
+    if grows { shares } else { morph.steps.iter().map(|step| step.at).collect() }
+}
+
 fn words(morph: &Morph, shown: usize) -> Vec<String> {
-    let share = |step: &Step| format!("{:.0} % of the way", 100.0 * step.at);
+    let share = |step: &Step| format!("{:.0} % of the turn", 100.0 * step.share);
     let worst = morph.worst();
     let mut words = Vec::new();
     if worst.strain < STILL {
-        words.push(
-            "The sheet moves from one state to the other without strain.".to_owned(),
-        );
+        words.push("The sheet moves from one state to the other without strain.".to_owned());
     } else {
         let (parting, hinge) = worst.parting;
         words.push(format!(
