@@ -11,13 +11,13 @@ const launched = (more = []) => chromium.launch({
 
 const rest = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-// Keeps the canvas's pixels in the page under a name, and tells which part of them is covered.
-async function look(page, name) {
+// Keeps the canvas's pixels (or those of a picture of it) in the page under a name, and tells which part of them is covered.
+async function look(page, name, from = "space-canvas") {
   await rest(page);
-  return page.evaluate((key) => {
-    const seen = document.getElementById("space-canvas");
+  return page.evaluate(([key, id]) => {
+    const seen = document.getElementById(id);
     const copy = document.createElement("canvas");
-    [copy.width, copy.height] = [seen.width, seen.height];
+    [copy.width, copy.height] = [seen.naturalWidth ?? seen.width, seen.naturalHeight ?? seen.height];
     const context = copy.getContext("2d", { willReadFrequently: true });
     context.drawImage(seen, 0, 0);
     const { data } = context.getImageData(0, 0, copy.width, copy.height);
@@ -25,7 +25,7 @@ async function look(page, name) {
     let covered = 0;
     for (let i = 3; i < data.length; i += 4) covered += data[i] > 0 ? 1 : 0;
     return covered / (data.length / 4);
-  }, name);
+  }, [name, from]);
 }
 
 // The share of pixels in which two looks differ.
@@ -77,6 +77,11 @@ async function states(page) {
     found.colours.push([name, await differing(page, ["open", "coloured"])]);
   }
   await page.selectOption("#space-colour", "0");
+  // What is printed: the open state, whatever the slider shows.
+  await slide(page, 0);
+  await page.locator("#space-still").evaluate((still) => new Promise((made) => still.addEventListener("load", made, { once: true })));
+  await look(page, "still", "space-still");
+  found.still = await differing(page, ["open", "still"]);
   return found;
 }
 
@@ -161,20 +166,27 @@ async function keys(page) {
   return found;
 }
 
-// Milliseconds from a move of the slider to the picture.
+// Milliseconds that a move of the slider keeps the page busy, and until the picture is there.
 const pace = (page) => page.evaluate(async () => {
   const slider = document.getElementById("space-slider");
   const canvas = document.getElementById("space-canvas");
-  const times = [];
+  const [busy, done] = [[], []];
   for (const value of [900, 700, 500, 300, 100]) {
     const start = performance.now();
+    // The page draws between these two, in the same frame.
+    let drawing = 0;
+    requestAnimationFrame(() => (drawing = performance.now()));
     slider.value = value;
     slider.dispatchEvent(new Event("input"));
-    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+    const moved = performance.now() - start;
+    await new Promise((drawn) => requestAnimationFrame(() => {
+      busy.push(moved + performance.now() - drawing);
+      setTimeout(drawn);
+    }));
     canvas.getContext("webgl2").finish();
-    times.push(performance.now() - start);
+    done.push(performance.now() - start);
   }
-  return times;
+  return { busy, done };
 });
 
 async function space(page) {

@@ -4,6 +4,9 @@ use serde_json::Value;
 
 use super::{number, numbers};
 
+mod poses;
+pub use poses::check_poses;
+
 /// Of one page, with the hinges and the design that it shows.
 pub fn check(found: &Value, hinges: &[Value], design: &Value, job: &str) {
     check_states(&found["states"]);
@@ -30,6 +33,7 @@ fn check_states(states: &Value) {
     if states["targets"] == true {
         assert!(number(states, "target") > 0.01, "the target: {states}");
     }
+    assert!(number(states, "still") < 0.002, "what is printed is the open state: {states}");
     let colours: Vec<&str> =
         states["colours"].as_array().unwrap().iter().map(|way| way[0].as_str().unwrap()).collect();
     assert!(colours.starts_with(&["turning sense", "worst strain class"]), "{states}");

@@ -44,8 +44,7 @@ function worstClasses() {
   return worst;
 }
 
-function colourPieces() {
-  if (!morph.scene) return;
+function tintPieces() {
   const way = morph.ways[byId("space-colour").value];
   const values = way.of();
   const known = new Map();
@@ -63,6 +62,11 @@ function colourPieces() {
   const entries = [...way.legend(values).map(entry), entry(["hinge axis", "var(--axis)"])];
   if (SPACE.targets.length > 0) entries.push(entry(["target", "var(--target)"]));
   byId("space-legend").replaceChildren(...entries);
+}
+
+function colourPieces() {
+  if (!morph.scene) return;
+  tintPieces();
   redraw();
 }
 
@@ -74,14 +78,19 @@ function redraw() {
   requestAnimationFrame(() => {
     drawing3d = false;
     draw();
+    clearTimeout(morph.still);
+    morph.still = setTimeout(keepStill, 1500);
   });
 }
 
 function draw() {
-  const { scene, texture, axes, targets, renderer } = morph.scene;
+  const { scene, texture, lines, axes, targets, renderer } = morph.scene;
   poseSpace(morph.read, morph.moment);
   texture.needsUpdate = true;
-  axes.visible = byId("space-axes").checked;
+  // Where pieces are some pixels wide their edges and axes would only blur them, and take most of the time.
+  const width = morph.read.size / morph.orbit.pixel();
+  lines.visible = width > 5;
+  axes.visible = width > 3 && byId("space-axes").checked;
   // Of two targets that of the nearer state.
   targets.forEach((target, i) => {
     const near = targets.length === 1 || (SPACE.targets[i].state === "open") === morph.moment >= 0.5;
@@ -120,6 +129,12 @@ function fitSpace() {
   const points = [];
   for (let piece = 0; piece < morph.read.count; piece += 1) points.push(...placeOf(morph.read.now, piece));
   morph.orbit.fit(points, morph.read.size);
+}
+
+// After the window or the lens changed: as before, unless what was fitted would no longer be.
+function fitAgain() {
+  if (morph.orbit.eye.fitted) fitSpace();
+  redraw();
 }
 
 // What is seen, in words.
@@ -205,18 +220,21 @@ function spaceKeys() {
   });
 }
 
-// Printed is the open state in the light colours.
-function printSpace() {
-  morph.before = [morph.moment, document.documentElement.dataset.theme];
-  document.documentElement.dataset.theme = "light";
+// Printed is a still of the open state in light colours, made while nothing moves: browsers print what a canvas showed last.
+function keepStill() {
+  if (morph.playing) return;
+  const { moment } = morph;
+  const page = document.documentElement;
+  const { theme = "" } = page.dataset;
+  page.dataset.theme = "light";
   morph.moment = 1;
-  colourPieces();
+  tintPieces();
   draw();
-}
-
-function afterSpacePrint() {
-  [morph.moment, document.documentElement.dataset.theme] = [morph.before[0], morph.before[1] ?? ""];
-  colourPieces();
+  byId("space-still").src = inSpace.toDataURL();
+  page.dataset.theme = theme;
+  morph.moment = moment;
+  tintPieces();
+  draw();
 }
 
 // Without WebGL the section says so, and keeps what needs none.
@@ -238,6 +256,7 @@ function startSpace() {
     const { clientWidth, clientHeight } = byId("space-stage");
     renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     renderer.setSize(Math.max(clientWidth, 1), Math.max(clientHeight, 1), false);
+    fitAgain();
     draw();
   };
   fitSpace();
@@ -250,8 +269,6 @@ function startSpace() {
   onLoads.push(colourPieces);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", colourPieces);
   byId("theme").addEventListener("click", colourPieces);
-  window.addEventListener("beforeprint", printSpace);
-  window.addEventListener("afterprint", afterSpacePrint);
   inSpace.dataset.ready = "yes";
 }
 
@@ -264,7 +281,10 @@ function buildSpace() {
   byId("space-colour").addEventListener("change", colourPieces);
   byId("space-target").closest("label").hidden = SPACE.targets.length === 0;
   for (const id of ["space-axes", "space-target"]) byId(id).addEventListener("change", redraw);
-  byId("space-flat").addEventListener("change", () => morph.orbit.setFlat(byId("space-flat").checked));
+  byId("space-flat").addEventListener("change", () => {
+    morph.orbit.eye.flat = byId("space-flat").checked;
+    fitAgain();
+  });
   byId("space-fit").addEventListener("click", fitSpace);
   byId("space-picture").addEventListener("click", savePicture);
   byId("space-play").addEventListener("click", playSpace);

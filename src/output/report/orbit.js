@@ -4,7 +4,7 @@ const FIELD = 30;
 const STEEPEST = 1.55;
 
 function orbiting(box, changed) {
-  const eye = { yaw: -1.15, pitch: 0.62, distance: 100, centre: new THREE.Vector3(), flat: false, reach: 100 };
+  const eye = { yaw: -1.15, pitch: 0.62, distance: 100, centre: new THREE.Vector3(), flat: false, reach: 100, fitted: false };
   const [lens, flatLens] = [new THREE.PerspectiveCamera(FIELD, 1, 1, 10), new THREE.OrthographicCamera()];
   const slope = Math.tan(0.5 * radians(FIELD));
   const aspect = () => Math.max(box.clientWidth, 1) / Math.max(box.clientHeight, 1);
@@ -60,6 +60,7 @@ function orbiting(box, changed) {
     axes.forEach((axis, i) => eye.centre.addScaledVector(axis, middle[i]));
     eye.reach = Math.max(...along.map((values) => extremes(values)[1] - extremes(values)[0])) + 2 * around;
     eye.distance *= 1.04;
+    eye.fitted = true;
     changed();
   }
 
@@ -71,6 +72,7 @@ function orbiting(box, changed) {
 
   function nearer(factor) {
     eye.distance = Math.min(Math.max(eye.distance * factor, 0.01 * eye.reach), 20 * eye.reach);
+    eye.fitted = false;
     changed();
   }
 
@@ -81,6 +83,7 @@ function orbiting(box, changed) {
   function shift(across, down) {
     const [right, up] = frameOf();
     eye.centre.addScaledVector(right, -across * pixel()).addScaledVector(up, down * pixel());
+    eye.fitted = false;
     changed();
   }
 
@@ -101,11 +104,7 @@ function orbiting(box, changed) {
     return [bounds.left + 0.5 * (seen.x + 1) * bounds.width, bounds.top + 0.5 * (1 - seen.y) * bounds.height];
   }
 
-  const setFlat = (flat) => {
-    eye.flat = flat;
-    changed();
-  };
-  return { camera, fit, turn, nearer, pixel, shift, ray, windowPlace, setFlat, eye };
+  return { camera, fit, turn, nearer, pixel, shift, ray, windowPlace, eye };
 }
 
 // Dragging turns; with Shift, the right button or two pointers it moves. `clicked`: where a pointer went up that had not moved.

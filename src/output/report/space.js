@@ -5,7 +5,12 @@ const SPACE = DATA.space;
 // Numbers of a pose in the data: place, then quaternion. Numbers per piece for the drawing: quaternion and 0, place and 0, colour.
 const [POSE, SLOT] = [7, 12];
 
-const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+function bytesOf(text) {
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i += 1) bytes[i] = letters.charCodeAt(i);
+  return bytes.buffer;
+}
 
 function readSpace() {
   const counts = new Uint16Array(bytesOf(SPACE.counts));

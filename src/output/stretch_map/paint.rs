@@ -26,7 +26,7 @@ pub struct Detail {
 pub const FINE: Detail = Detail { triangles: 20_000, cell: 0.5 };
 
 /// For a figure in a page: some 100 kB in all.
-pub const COARSE: Detail = Detail { triangles: 2500, cell: 1.25 };
+pub const COARSE: Detail = Detail { triangles: 2500, cell: 0.8 };
 
 /// ColorBrewer's PuOr (C. Brewer, M. Harrower), which colour-blind people can read: less, even, more.
 const STOPS: [[f64; 3]; 7] = [
