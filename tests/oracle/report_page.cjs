@@ -4,7 +4,7 @@
 const fs = require("fs");
 const path = require("path");
 const { pathToFileURL } = require("url");
-const { launched, space } = require("./report_space.cjs");
+const { framed, launched, space } = require("./report_space.cjs");
 
 const ids = (page) => page.$$eval("#table tbody tr[data-id]", (rows) => rows.map((row) => Number(row.dataset.id)));
 const picked = (page) => page.$eval("#pick", (ring) => ({
@@ -73,9 +73,11 @@ async function picking(page) {
     return [at.x, at.y];
   }, found.entered.at);
   await page.waitForTimeout(400);
+  await framed(page);
   await page.mouse.move(...await spot());
   for (let i = 0; i < 8; i += 1) await page.mouse.wheel(0, -400);
   await page.waitForTimeout(400);
+  await framed(page);
   await page.mouse.click(...await spot());
   found.on_sheet = await picked(page);
   return found;
@@ -83,7 +85,10 @@ async function picking(page) {
 
 async function sheet(page) {
   const view = () => page.$eval("#drawing", (svg) => svg.getAttribute("viewBox").split(" ").map(Number));
-  const rest = () => page.waitForTimeout(400);
+  const rest = async () => {
+    await page.waitForTimeout(400);
+    await framed(page);
+  };
   await page.locator("#zoom-fit").click();
   await rest();
   const start = await view();
@@ -142,7 +147,6 @@ async function visit(browser, file, pictures) {
   found.picking = await picking(page);
   found.sheet = await sheet(page);
   found.what_if = await whatIf(page);
-  found.space = await space(page);
   found.unnamed = await unnamed(page);
   const steps = [];
   for (let i = 0; i < 5; i += 1) {
@@ -153,6 +157,7 @@ async function visit(browser, file, pictures) {
   }
   found.scroll_ms = steps;
   found.rows_present = (await ids(page)).length;
+  found.space = await space(page);
   await page.close();
   return { ...found, complaints, requests };
 }

@@ -9,11 +9,12 @@ const launched = (more = []) => chromium.launch({
   args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...more],
 });
 
-const rest = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+// What was asked for is drawn.
+const framed = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 // Keeps the canvas's pixels (or those of a picture of it) in the page under a name, and tells which part of them is covered.
 async function look(page, name, from = "space-canvas") {
-  await rest(page);
+  await framed(page);
   return page.evaluate(([key, id]) => {
     const seen = document.getElementById(id);
     const copy = document.createElement("canvas");
@@ -44,7 +45,7 @@ const pickedRow = (page) => page.$eval("#pick", (ring) => Number(ring.dataset.hi
 
 async function slide(page, value) {
   await page.locator("#space-slider").fill(String(value));
-  await rest(page);
+  await framed(page);
 }
 
 // Both ends, the middle, and every way of colouring.
@@ -79,7 +80,10 @@ async function states(page) {
   await page.selectOption("#space-colour", "0");
   // What is printed: the open state, whatever the slider shows.
   await slide(page, 0);
-  await page.locator("#space-still").evaluate((still) => new Promise((made) => still.addEventListener("load", made, { once: true })));
+  await page.locator("#space-still").evaluate((still) => new Promise((made) => {
+    still.addEventListener("load", made, { once: true });
+    setTimeout(made, 15000);
+  }));
   await look(page, "still", "space-still");
   found.still = await differing(page, ["open", "still"]);
   return found;
@@ -152,7 +156,7 @@ async function keys(page) {
   await page.keyboard.press("o");
   await page.emulateMedia({ reducedMotion: "reduce" });
   await page.keyboard.press(" ");
-  await rest(page);
+  await framed(page);
   found.calm = await words(page);
   await page.emulateMedia({ reducedMotion: null });
   await page.keyboard.press(" ");
@@ -190,6 +194,9 @@ const pace = (page) => page.evaluate(async () => {
 });
 
 async function space(page) {
+  // Smaller than a screen: a processor draws it.
+  await page.setViewportSize({ width: 900, height: 720 });
+  await page.evaluate(() => { document.getElementById("scroller").scrollTop = 0; });
   const started = Date.now();
   await page.locator("#space").scrollIntoViewIfNeeded();
   await page.waitForSelector("#space-canvas[data-ready]", { timeout: 60000 });
@@ -200,4 +207,4 @@ async function space(page) {
   return found;
 }
 
-module.exports = { launched, space };
+module.exports = { framed, launched, space };

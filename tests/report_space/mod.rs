@@ -66,7 +66,8 @@ fn check_picks(picks: &Value, hinges: &[Value]) {
     let turn = times(to, [from[0] / square, -from[1] / square]);
     let [wanted, seen] = [times(turn, apart(&on_sheet, 1)), apart(&in_window, 1)];
     let off = (wanted[0] - seen[0]).hypot(wanted[1] - seen[1]);
-    assert!(off < 5.0 && square > 1.0, "{off} pixels: {picks:?}");
+    // Axes stand aslant, so that the mark of a rod is not quite where its hinge is.
+    assert!(off < 4.0 + 0.04 * seen[0].hypot(seen[1]) && square > 1.0, "{off} pixels: {picks:?}");
     for pick in picks {
         assert!((1e-4..0.1).contains(&number(pick, "changed")), "{pick}");
         let [wanted, clicked] = [point(&pick["hinge"]), point(&pick["clicked"])];

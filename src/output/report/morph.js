@@ -221,8 +221,9 @@ function spaceKeys() {
 }
 
 // Printed is a still of the open state in light colours, made while nothing moves: browsers print what a canvas showed last.
+// Of a large sheet, which a processor without a graphics card takes seconds for, the first one stays.
 function keepStill() {
-  if (morph.playing) return;
+  if (morph.playing || (COUNT > MANY && byId("space-still").src)) return;
   const { moment } = morph;
   const page = document.documentElement;
   const { theme = "" } = page.dataset;
@@ -296,6 +297,6 @@ function buildSpace() {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     watch.disconnect();
     startSpace();
-  }, { rootMargin: "400px" });
+  }, { rootMargin: "100px" });
   watch.observe(byId("space-stage"));
 }
