@@ -25,34 +25,36 @@ mod verify_mill;
 mod snap;
 mod setup_sheet;
 mod solids;
+mod help;
+mod library;
+mod new;
+mod pages;
+mod paint;
+mod table;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 
 use cut_keys::CutKeys;
 use progress::Reporting;
 use results::Leaving;
 
-use crate::profile::{Ligament, Process, Shape};
-
-/// Flat sheets with cut patterns that morph into surfaces: design, hinges, laser files.
+/// Flat sheets with cut patterns that morph into surfaces: design, hinges, files for laser and mill.
 #[derive(Debug, Parser)]
-#[command(version, about, long_about = None, after_help = EXIT_HELP)]
+#[command(version, about, long_about = None, after_help = help::MAIN)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
 
-const EXIT_HELP: &str = "Exit status: 0 made; 1 bad input, profile or usage; 2 not makeable, target not reached, \
-                         interrupted, a hinge or a cut file that fails. Ctrl-C stops at the next step and leaves design.partial.json \
-                         in the results' folder, from which --resume goes on; a second Ctrl-C stops at once (130).";
-
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Do everything: from a job file to checked laser files and the hinge placement report.
+    /// Do everything: from a job file to checked files for the laser or the mill, and the hinge placement report.
+    #[command(after_help = help::MAKE)]
     Make {
         /// The job file (TOML).
         job: PathBuf,
@@ -71,6 +73,7 @@ enum Command {
         reporting: Reporting,
     },
     /// Design the pattern alone, or predict whether the target can be reached.
+    #[command(after_help = help::DESIGN)]
     Design {
         /// The job file (TOML).
         job: PathBuf,
@@ -89,6 +92,7 @@ enum Command {
         reporting: Reporting,
     },
     /// Check the hinges of a design against a profile: prints the worst ones.
+    #[command(after_help = help::CHECK)]
     Check {
         /// A design.json, or a folder that holds one.
         design: PathBuf,
@@ -102,7 +106,8 @@ enum Command {
         #[arg(long)]
         allow_failing_hinges: bool,
     },
-    /// Lay out a design for a profile: from a design.json to checked laser files and the hinge placement report.
+    /// Lay out a design for a profile: from a design.json to checked files for the laser or the mill, and the hinge placement report.
+    #[command(after_help = help::FABRICATE)]
     Fabricate {
         /// A design.json, or a folder that holds one.
         design: PathBuf,
@@ -130,6 +135,7 @@ enum Command {
         reporting: Reporting,
     },
     /// Read the cut files or the milling program of a folder back, cut them on paper and measure what is left.
+    #[command(after_help = help::VERIFY)]
     Verify {
         /// A folder with design.json and cut.dxf, cut.svg, or with a milling program and part.stl.
         folder: PathBuf,
@@ -144,12 +150,16 @@ enum Command {
         all: bool,
     },
     /// Take over a design made elsewhere: pieces in two states become a design.json.
+    #[command(after_help = help::IMPORT)]
     Import(import::Arguments),
     /// Write a design for other programs.
+    #[command(after_help = help::EXPORT)]
     Export(export::Arguments),
     /// Follow a sheet between its states: energy, barrier, strain, and whether it is bistable.
+    #[command(after_help = help::SNAP)]
     Snap(snap::Arguments),
     /// Make a test piece that tells the kerf and the ligaments that your machine really makes.
+    #[command(after_help = help::COUPON)]
     Coupon {
         /// A profile's name or file.
         #[arg(short, long)]
@@ -158,8 +168,34 @@ enum Command {
         #[arg(short, long)]
         output: Option<PathBuf>,
     },
-    /// List the profiles: sheet, material, groove and ligament.
-    Profiles,
+    /// Write a job file to begin with, for a surface of yours.
+    #[command(after_help = help::NEW)]
+    New(new::Arguments),
+    /// List the profiles (material, sheet, process and ligament), or print one to copy and change.
+    #[command(after_help = help::PROFILES)]
+    Profiles {
+        /// Print this one's file.
+        name: Option<String>,
+    },
+    /// List the machines for milling, or print one to copy and change.
+    #[command(after_help = help::MACHINES)]
+    Machines {
+        /// Print this one's file.
+        name: Option<String>,
+    },
+    /// Print completions of commands and options for a shell.
+    #[command(after_help = help::COMPLETIONS)]
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Write manual pages, one for each command.
+    #[command(after_help = help::MAN)]
+    Man {
+        /// Folder for the pages; other files in it stay.
+        #[arg(short, long, default_value = "out/man")]
+        output: PathBuf,
+    },
 }
 
 /// How the optimisation is run.
@@ -181,13 +217,7 @@ impl Command {
             Self::Make { reporting, .. }
             | Self::Design { reporting, .. }
             | Self::Fabricate { reporting, .. } => reporting.json,
-            Self::Check { .. }
-            | Self::Verify { .. }
-            | Self::Coupon { .. }
-            | Self::Import(_)
-            | Self::Export(_)
-            | Self::Snap(_)
-            | Self::Profiles => false,
+            _ => false,
         }
     }
 }
@@ -217,6 +247,11 @@ impl Failure {
     }
 }
 
+/// All commands and options, as help texts, man pages, completions and `docs/commands` tell them.
+pub fn command() -> clap::Command {
+    Arguments::command()
+}
+
 /// Runs the program with these arguments and returns its exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
@@ -229,7 +264,22 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let events = arguments.command.tells_events();
-    let result = match arguments.command {
+    match dispatch(arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let (status, word, message) = failure.parts();
+            if events {
+                events::error(word, &message, status);
+            }
+            anstream::eprintln!("{}: {message}", paint::error(word));
+            ExitCode::from(status)
+        }
+    }
+}
+
+/// Hands a command its options.
+fn dispatch(command: Command) -> Result<(), Failure> {
+    match command {
         Command::Make { job, output, allow_failing_hinges, dry_run, optimisation, reporting } => {
             make::run(&job, output, [allow_failing_hinges, dry_run], &optimisation, &reporting)
         }
@@ -262,57 +312,19 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Snap(arguments) => snap::run(&arguments),
-        Command::Profiles => list_profiles(),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            let (status, word, message) = failure.parts();
-            if events {
-                events::error(word, &message, status);
-            }
-            eprintln!("{word}: {message}");
-            ExitCode::from(status)
+        Command::New(arguments) => new::run(&arguments),
+        Command::Profiles { name } => library::profiles(name.as_deref()),
+        Command::Machines { name } => library::machines(name.as_deref()),
+        Command::Completions { shell } => {
+            pages::completions(shell);
+            Ok(())
         }
+        Command::Man { output } => pages::man(&output),
     }
 }
 
-/// Prints one line per profile.
-fn list_profiles() -> Result<(), Failure> {
-    for name in crate::profile::names() {
-        let profile = crate::profile::load(&name, std::path::Path::new(".")).map_err(Failure::bad_input)?;
-        let sheet = &profile.sheet;
-        print(&format!(
-            "{name}: {}; sheet {} x {} x {} mm, {} {} mm, {}\n",
-            profile.material.name,
-            sheet.width,
-            sheet.height,
-            sheet.thickness,
-            if profile.process == Process::Laser { "laser, kerf" } else { "milling, groove" },
-            profile.cut.kerf,
-            ligament_words(&profile.ligament)
-        ));
-    }
-    Ok(())
-}
-
-fn ligament_words(ligament: &Ligament) -> String {
-    let width = ligament.width;
-    match ligament.shape {
-        Shape::Beam(beam) => {
-            format!("beam {width} mm wide, {} to {} mm long", beam.min_length, beam.max_length)
-        }
-        Shape::Rounded(beam) => {
-            format!("rounded beam {width} mm wide, {} to {} mm long", beam.min_length, beam.max_length)
-        }
-        Shape::Notch { extra_length } => {
-            format!("notch {width} mm wide, drawn out by {extra_length} mm")
-        }
-    }
-}
-
-/// Prints to standard output; a reader that has gone away is no error.
+/// Prints to standard output, with colours where they are wanted; a reader that has gone away is no error.
 fn print(text: &str) {
     use std::io::Write;
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    let _ = anstream::stdout().lock().write_all(text.as_bytes());
 }

@@ -15,6 +15,10 @@ use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+mod shelf;
+
+pub use shelf::{Shelf, TomlFile};
+
 /// Longest TOML file that is read, bytes. A profile has 2 kB; a mesh given by mistake is told at once.
 const MAX_BYTES: u64 = 1 << 20;
 

@@ -144,6 +144,7 @@ fn a_bistable_cap_is_milled_on_every_machine() {
         "hinges.csv",
         "hinges.json",
         "mill.ngc",
+        "morph.glb",
         "open.stl",
         "part.stl",
         "preview.svg",
@@ -187,6 +188,28 @@ fn a_bistable_cap_is_milled_on_every_machine() {
         let upright = machine.ends_with("xyz");
         assert_eq!(done.stdout.contains("walls upright"), upright, "{machine}: {}", done.stdout);
     }
+    check_short_turns(&folder);
+}
+
+/// Where the table turns only so far the tool leaves its cut, turns back, and goes on, even in the border.
+fn check_short_turns(folder: &Path) {
+    let profiles = Path::new(env!("CARGO_MANIFEST_DIR")).join("profiles/machines");
+    let machine = std::fs::read_to_string(profiles.join("linuxcnc-xyzbc-trt.toml")).unwrap();
+    let short = machine.replace("c_deg = [-36000.0, 36000.0]", "c_deg = [-200.0, 200.0]");
+    assert!(short != machine);
+    std::fs::write(folder.join("short.toml"), short).unwrap();
+    let sheet = ["--sheet-mm", "160", "160"];
+    let arguments = ["fabricate", "out", "-p", "slow.toml", "--machine", "short.toml", "-o", "out-short"];
+    let done = run(folder, arguments.into_iter().chain(sheet));
+    assert_eq!(done.status, 0, "{}", done.stderr);
+    let mill = &read(&folder.join("out-short/hinges.json"))["mill"];
+    assert!(mill["retreats"].as_u64().unwrap() > 0 && mill["bodies"] == 1, "{mill}");
+    let verified = run(folder, ["verify", "out-short", "-p", "slow.toml", "--machine", "short.toml"]);
+    assert_eq!(verified.status, 0, "{}", verified.stderr);
+    let program = std::fs::read_to_string(folder.join("out-short/mill.ngc")).unwrap();
+    // The last run is the border; the tool leaves it on the way.
+    let border = program.rsplit_once("border)").unwrap().1;
+    assert!(border.lines().filter(|line| line.starts_with("G0 ")).count() > 4, "{border}");
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Failure, print};
+use super::progress::{Reporter, Reporting};
+use super::{Failure, paint, print};
 use crate::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
 use crate::fabrication::hinge_table::{HingeRow, Verdict, planned_rows};
 use crate::kirigami::design::{Design, PatternKind, State};
@@ -16,12 +17,16 @@ pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> R
     let file = design_file(design);
     let design = without_repeated(design_json::read(&file).map_err(Failure::bad_input)?);
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
-    let fabrication = lay_out(&design, &profile).map_err(|reason| {
+    let mut reporter = Reporter::new(&Reporting::default());
+    reporter.say("check: laying the sheet out");
+    let laid_out = lay_out(&design, &profile);
+    drop(reporter);
+    let fabrication = laid_out.map_err(|reason| {
         print("Cannot be laid out; the hinges as they would have to be:\n");
-        print(&hinge_report::table(&planned_rows(&design, &profile), worst));
+        print(&paint::hinges(&hinge_report::table(&planned_rows(&design, &profile), worst)));
         Failure::NotMakeable(format!("{}: {reason}", file.display()))
     })?;
-    print(&hinge_report::table(&fabrication.hinges, worst));
+    print(&paint::hinges(&hinge_report::table(&fabrication.hinges, worst)));
     refuse_failing(&fabrication.hinges, allow_failing)
 }
 
@@ -51,7 +56,8 @@ pub fn lay_out(design: &Design, profile: &Profile) -> Result<Fabrication, String
 pub fn without_repeated(design: Design) -> Design {
     let (simple, pieces) = without_repeated_corners(&design);
     for piece in pieces {
-        eprintln!("warning: piece {piece} has two corners that nearly coincide: laid out as one");
+        let word = paint::warning("warning");
+        anstream::eprintln!("{word}: piece {piece} has two corners that nearly coincide: laid out as one");
     }
     simple
 }

@@ -19,8 +19,8 @@ use crate::output::{design_json, glb};
 
 /// The flags.
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("format").required(true).multiple(true).args(["obj_pair", "pykirigami", "stl", "format"]))]
-#[command(group = clap::ArgGroup::new("solid").multiple(true).args(["stl", "format"]))]
+#[command(group = clap::ArgGroup::new("format").required(true).multiple(true).args(["obj_pair", "pykirigami", "stl", "formats"]))]
+#[command(group = clap::ArgGroup::new("solid").multiple(true).args(["stl", "formats"]))]
 pub struct Arguments {
     /// A design.json, or a folder that holds one.
     design: PathBuf,
@@ -34,10 +34,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", requires = "thickness_mm")]
     stl: Option<PathBuf>,
     /// What to write to the folder of --output: the animated morph.glb, closed.obj and open.obj, or a piece-0000.stl per piece.
-    #[arg(long, value_enum, value_delimiter = ',', requires = "output")]
-    format: Vec<Format>,
+    #[arg(long = "format", value_enum, value_delimiter = ',', requires = "output")]
+    formats: Vec<Format>,
     /// Folder for the files of --format.
-    #[arg(short, long, value_name = "DIR", requires = "format")]
+    #[arg(short, long, value_name = "DIR", requires = "formats")]
     output: Option<PathBuf>,
     /// Thickness of the solids, half of it to either side of the hinge polygon.
     #[arg(long, requires = "solid")]
@@ -146,13 +146,13 @@ fn state(arguments: &Arguments, design: &Design) -> State {
 
 /// The files of --format.
 fn formats(arguments: &Arguments, design: &Design, out: &OutputFolder, folder: &Path) -> Result<(), Failure> {
-    if arguments.format.contains(&Format::Obj) {
+    if arguments.formats.contains(&Format::Obj) {
         obj_pair(design, out, folder)?;
     }
-    if arguments.format.contains(&Format::Stl) {
+    if arguments.formats.contains(&Format::Stl) {
         stl(design, state(arguments, design), thickness(arguments)?, out, folder)?;
     }
-    if arguments.format.contains(&Format::Glb) {
+    if arguments.formats.contains(&Format::Glb) {
         if design.hinges.is_empty() {
             return Err(Failure::BadInput(String::from(
                 "the design has no hinges, so nothing says how its pieces move: leave glb out of --format",

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::check::without_repeated;
-use super::{Failure, interrupt, print};
+use super::progress::{Reporter, Reporting};
+use super::{Failure, interrupt, paint, print};
 use crate::import::{
     CLOSED, CONSTRAINTS, ImportError, Imported, OPEN, Options, Size, Source, import, read_mesh_pair,
     read_pieces_json, read_pykirigami, reassembled,
@@ -129,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     write_whole::<WriteDesignError>(&arguments.output, |out| design_json::write(&design, out))
         .map_err(|error| Failure::BadInput(format!("{}: {error}", arguments.output.display())))?;
     for warning in &imported.warnings {
-        eprintln!("warning: {warning}");
+        anstream::eprintln!("{}: {warning}", paint::warning("warning"));
     }
     print(&summary(&name, &imported, &quality, improvement.as_ref()));
     print(&format!("Design in {}\n", arguments.output.display()));
@@ -171,7 +172,11 @@ fn improved(
     let gap = profile.map(|profile| gap_for(&imported.design, profile)).transpose()?;
     interrupt::listen();
     let (before, tolerance) = (measure_alone(&imported.design), imported.tolerance);
-    let mut watch = |_: &Progress| interrupt::flow();
+    let mut reporter = Reporter::new(&Reporting::default());
+    let mut watch = |progress: &Progress| {
+        reporter.show(progress);
+        interrupt::flow()
+    };
     let mut clock = Clock::new(&mut watch);
     let (pieces, reports) =
         clock.run("stage-3", |run| improve(&imported.design, &improve::Options { tolerance, gap }, run));

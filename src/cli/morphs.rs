@@ -44,7 +44,7 @@ pub fn moving(product: &Product, profile: &Profile) -> Result<Option<Moving>, Fa
     let pieces = pieces(sheet, thickness, walls).map_err(refused)?;
     let shell = |piece: &crate::solid::clash::Placed| Ok(loft(&piece.plate, thickness)?.mesh);
     let bodies = pieces.iter().map(shell).collect::<Result<_, _>>().map_err(refused)?;
-    let thick = Thick { rows: &sheet.hinges, pieces: &pieces, thickness, walls };
+    let thick = Thick::new(&sheet.hinges, &pieces, thickness, walls);
     Ok(Some(Moving { morph: morph(design, Some(&thick)), bodies }))
 }
 

@@ -65,9 +65,21 @@ impl Reporter {
                     return;
                 }
                 let (stage, so_far) = (self.stage_start.elapsed(), self.start.elapsed());
-                format!("{}: {}", progress.stage, step_text(&step, self.made, stage, so_far))
+                let bar = bar(self.made, step.limit - step.iteration + step.later);
+                format!("{bar} {}: {}", progress.stage, step_text(&step, self.made, stage, so_far))
             }
         };
+        self.draw(&text);
+    }
+
+    /// Tells what is being done where no steps are counted.
+    pub fn say(&mut self, what: &str) {
+        if self.line {
+            self.draw(what);
+        }
+    }
+
+    fn draw(&mut self, text: &str) {
         self.last_drawn = Some(Instant::now());
         // A terminal that has gone away must not stop the work.
         let _ = write!(stderr(), "\r\x1b[K{text}");
@@ -81,6 +93,15 @@ impl Drop for Reporter {
         }
     }
 }
+
+/// A bar that is filled when as many steps were made as may be.
+fn bar(made: usize, left: usize) -> String {
+    let filled = BAR * made / (made + left).max(1);
+    format!("[{}{}]", "#".repeat(filled), ".".repeat(BAR - filled))
+}
+
+/// Length of the bar, characters.
+const BAR: usize = 20;
 
 /// The line at a step: `made` steps took the time `stage`, all so far took `so_far`. What is left is
 /// estimated as if every phase needed all the steps that it may make, and each took as long as those of this
@@ -127,5 +148,7 @@ mod tests {
         let text = step_text(&first, 0, Duration::from_secs(8), Duration::from_secs(8));
         assert_eq!(text, "step 0 of at most 12, energy 7.50e-1, 8 s");
         assert_eq!(duration(2.0 * 3600.0 + 65.0), "2 h 1 min");
+        assert_eq!([bar(0, 0), bar(1, 3), bar(7, 0)].map(|bar| bar.matches('#').count()), [0, 5, 20]);
+        assert_eq!(bar(1, 3).len(), 22);
     }
 }

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::check::{design_file, without_repeated};
+use super::progress::{Reporter, Reporting};
 use super::{Failure, print};
 use crate::fabrication::hinge_table::planned_rows;
 use crate::output::whole_file::write_whole;
@@ -48,7 +49,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Err(Failure::BadInput(text));
     }
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
+    let mut reporter = Reporter::new(&Reporting::default());
+    reporter.say("snap: following the sheet there and back");
     let snap = assess(&design, &planned_rows(&design, &profile), &profile);
+    drop(reporter);
     if let Some(path) = output {
         let text = if has_ending(path, "csv") {
             snap_report::csv(&snap)

@@ -6,6 +6,7 @@ use std::path::Path;
 use kurbo::{Point, Vec2};
 use serde::Deserialize;
 
+use super::progress::{Reporter, Reporting};
 use super::verify_mill::{self, Sheet};
 use super::{Failure, print};
 use crate::fabrication::layout::Tabs;
@@ -19,6 +20,8 @@ const SHOWN: usize = 10;
 
 /// Prints what was measured; an error names what is wrong.
 pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: bool) -> Result<(), Failure> {
+    let mut reporter = Reporter::new(&Reporting::default());
+    reporter.say("verify: reading the files");
     let file = folder.join("design.json");
     let bytes = design_json::read_bytes(&file).map_err(Failure::bad_input)?;
     let design = design_json::parse(&bytes)
@@ -30,16 +33,19 @@ pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: boo
     let Applied { profile, copies, tabs, mill } = applied(folder, profile)?;
     let shown = if all { usize::MAX } else { SHOWN };
     if let Some(told) = &mill {
+        reporter.say("verify: milling on paper");
         let hash = fingerprint(&bytes);
         let sheet = Sheet { design: &design, hash: &hash, profile: &profile, copies: &copies };
-        return verify_mill::run(folder, told, machine, &sheet, shown);
+        return verify_mill::run(folder, told, machine, &sheet, shown, reporter);
     }
     let [dxf, svg] = [read(&folder.join("cut.dxf"))?, read(&folder.join("cut.svg"))?];
     let hash = fingerprint(&bytes);
     let wanted =
         Wanted { design: &design, profile: &profile, hash: &hash, copies: &copies, tabs: tabs.as_ref() };
+    reporter.say("verify: cutting on paper");
     let verified = verify::verify(Files { dxf: &dxf, svg: &svg }, wanted)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
+    drop(reporter);
     if let Some(figures) = &verified.figures {
         print(&format!(
             "{}: {} pieces, {} hinges, profile {}, kerf {} mm\n{}",

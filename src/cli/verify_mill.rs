@@ -6,6 +6,7 @@ use std::path::Path;
 use kurbo::{Point, Vec2};
 use serde::Deserialize;
 
+use super::progress::Reporter;
 use super::{Failure, print};
 use crate::fabrication::fabricate::ligament_lengths;
 use crate::fabrication::mechanics::pole_offset;
@@ -56,6 +57,7 @@ pub fn run(
     machine: Option<&str>,
     sheet: &Sheet,
     shown: usize,
+    reporter: Reporter,
 ) -> Result<(), Failure> {
     let profile = sheet.profile;
     let Some(tool) = &profile.tool else {
@@ -109,6 +111,7 @@ pub fn run(
     };
     let (figures, findings) = measure(&files, told.first_run, &machine, &wanted)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
+    drop(reporter);
     print(&format!(
         "{}: {} on {}\n{}",
         folder.display(),

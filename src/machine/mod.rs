@@ -24,7 +24,7 @@ mod examples;
 
 pub use error::MachineError;
 pub use kinematics::Angles;
-pub use profile::{Machine, load, names};
+pub use profile::{Machine, load, names, source};
 pub use program::{Header, Program, Restart, Stats, post};
 pub use reader::{Motion, ReadError, pose_at, read};
 pub use rotary::AXIS_TOLERANCE;

@@ -57,20 +57,17 @@ pub(super) fn run_moves(
     let start = Stand { tip: stations[0].pose.tip, angles: stations[0].arrive };
     let mut planner = Planner { machine, at: start, run: index + 1, moves: Vec::new() };
     let mut retreats = 0;
-    let mut feed = None;
     for (i, station) in stations.iter().enumerate() {
         if i > 0 {
             let angles = station.arrive;
             let rapid = station.rate == Rate::Rapid && angles == planner.at.angles;
-            if let Rate::Feed(given) = station.rate {
-                feed = Some(given);
-            }
             let asked = if let Rate::Feed(given) = station.rate { given } else { machine.rapid };
             planner.cut(Stand { tip: station.pose.tip, angles }, rapid, asked)?;
         }
         if station.retreat {
             retreats += 1;
-            let slow = feed.or_else(|| first_feed(&stations[i..])).unwrap_or(machine.rapid);
+            // As the run goes down to its first cut.
+            let slow = first_feed(stations).unwrap_or(machine.rapid);
             planner.retreat(&station.pose, station.leave, slow)?;
         }
     }

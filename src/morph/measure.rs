@@ -106,27 +106,33 @@ impl<'a> Measure<'a> {
     }
 }
 
+/// Outlines on the way follow those of the pieces within this, millimetres: less than any ligament bends aside, and with a
+/// fraction of the points.
+const COARSE: f64 = 0.01;
+
 /// Pieces as solids.
 pub struct Thick<'a> {
-    /// The design's hinges.
-    pub rows: &'a [HingeRow],
-    /// The pieces in the sheet state, in the design's order.
-    pub pieces: &'a [Placed],
-    /// Of the sheet, millimetres.
-    pub thickness: f64,
-    /// How the walls stand.
-    pub walls: Walls,
+    rows: &'a [HingeRow],
+    pieces: Vec<Placed>,
+    thickness: f64,
+    walls: Walls,
 }
 
-impl Thick<'_> {
+impl<'a> Thick<'a> {
+    /// Of a design's hinges and its pieces in the sheet state, in the design's order. `thickness`: of the sheet, millimetres.
+    pub fn new(rows: &'a [HingeRow], pieces: &[Placed], thickness: f64, walls: Walls) -> Self {
+        let coarse = |piece: &Placed| Placed { plate: piece.plate.coarser(COARSE), ..piece.clone() };
+        Self { rows, pieces: pieces.iter().map(coarse).collect(), thickness, walls }
+    }
+
     /// The worst collision at these poses beyond what may pass there: the play that pieces have whose hinge points part, and
     /// what the check of the other state excuses.
     pub fn collision(&self, poses: &[RigidMotion]) -> Option<Clash> {
-        let mut pieces = self.pieces.to_vec();
-        pieces.iter_mut().zip(poses).for_each(|(piece, pose)| (piece.motion, piece.misfit) = (*pose, 0.0));
+        let mut pieces = self.pieces.clone();
+        pieces.iter_mut().zip(poses).for_each(|(piece, pose)| (piece.motion, piece.misfit) = (*pose, COARSE));
         for row in self.rows {
             let [j, k] = row.pieces.map(|piece| poses[piece].apply(&row.point));
-            let half = 0.5 * (k - j).norm();
+            let half = COARSE + 0.5 * (k - j).norm();
             row.pieces.iter().for_each(|&piece| pieces[piece].misfit = pieces[piece].misfit.max(half));
         }
         let [_, worst] = overlaps("partly open", self.rows, &pieces, self.thickness, self.walls);

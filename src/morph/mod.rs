@@ -66,7 +66,8 @@ pub struct Step {
     /// Area of the sheet, holes filled, over that of the closed sheet: 1 and the design's own figure at the ends. In between
     /// holes count with their vector area, and a hinge's two points as one of them.
     pub area_expansion: f64,
-    /// The two thick pieces that run farthest into each other beyond what may pass; `None` where none do.
+    /// The two thick pieces that run farthest into each other beyond what may pass; `None` where none do, and at the ends,
+    /// which [`crate::solid`] and the cut files' check answer for.
     pub collision: Option<Clash>,
 }
 
@@ -93,6 +94,8 @@ pub fn morph(design: &Design, thick: Option<&Thick>) -> Morph {
     let step = |(i, poses): (usize, Vec<RigidMotion>)| {
         let mut step = measure.step(poses);
         step.at = place(i);
+        // The end states have checks of their own.
+        let thick = thick.filter(|_| (1..STEPS).contains(&i));
         step.collision = thick.and_then(|thick| thick.collision(&step.poses));
         step
     };

@@ -5,7 +5,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::{Profile, read};
-use crate::toml_source::{TomlError, read_text};
+use crate::toml_source::{Shelf, TomlError, TomlFile};
 
 /// The profiles inside the program, by name, sorted.
 pub(super) const EMBEDDED: [(&str, &str); 4] = [
@@ -51,6 +51,14 @@ pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Profile, ProfileError
     load_with(name_or_path, base_dir, Path::new(USER_FOLDER))
 }
 
+/// The file that [`load`] reads.
+///
+/// # Errors
+/// Nothing by that name, or an unreadable file.
+pub fn source(name_or_path: &str, base_dir: &Path) -> Result<TomlFile, ProfileError> {
+    source_with(name_or_path, base_dir, Path::new(USER_FOLDER))
+}
+
 /// The names that [`load`] knows: embedded and in the folder `profiles` of the working directory, sorted.
 pub fn names() -> Vec<String> {
     names_with(Path::new(USER_FOLDER))
@@ -61,37 +69,20 @@ pub(super) fn load_with(
     base_dir: &Path,
     user_folder: &Path,
 ) -> Result<Profile, ProfileError> {
-    if name_or_path.contains(std::path::is_separator) || name_or_path.ends_with(".toml") {
-        return read_file(&base_dir.join(name_or_path));
-    }
-    let user_file = user_folder.join(format!("{name_or_path}.toml"));
-    if user_file.is_file() {
-        return read_file(&user_file);
-    }
-    match EMBEDDED.iter().find(|(name, _)| *name == name_or_path) {
-        Some((name, text)) => Ok(read::parse(text, name, &format!("embedded profile {name}.toml"))?),
-        None => {
-            Err(ProfileError::UnknownName { name: name_or_path.to_owned(), known: names_with(user_folder) })
-        }
-    }
+    let file = source_with(name_or_path, base_dir, user_folder)?;
+    Ok(read::parse(&file.text, &file.name, &file.label)?)
 }
 
-fn read_file(path: &Path) -> Result<Profile, ProfileError> {
-    let text = read_text(path)?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(read::parse(&text, &name, &path.display().to_string())?)
+fn source_with(name: &str, base_dir: &Path, user_folder: &Path) -> Result<TomlFile, ProfileError> {
+    shelf(user_folder)
+        .find(name, base_dir)?
+        .ok_or_else(|| ProfileError::UnknownName { name: name.to_owned(), known: names_with(user_folder) })
 }
 
 pub(super) fn names_with(user_folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = EMBEDDED.iter().map(|(name, _)| (*name).to_owned()).collect();
-    // A folder that is absent or unreadable holds no profile.
-    for entry in std::fs::read_dir(user_folder).into_iter().flatten().flatten() {
-        let file_name = entry.file_name();
-        if let Some(name) = file_name.to_str().and_then(|file_name| file_name.strip_suffix(".toml")) {
-            names.push(name.to_owned());
-        }
-    }
-    names.sort();
-    names.dedup();
-    names
+    shelf(user_folder).names()
+}
+
+fn shelf(folder: &Path) -> Shelf<'_> {
+    Shelf { kind: "profile", embedded: &EMBEDDED, folder }
 }

@@ -54,6 +54,16 @@ impl Plate {
         self.outlines.iter().map(face).collect()
     }
 
+    /// The same with fewer points: within `tolerance` (mm) of it at the mid-plane.
+    pub fn coarser(&self, tolerance: f64) -> Self {
+        let outline = |Outline { points, lean }: &Outline| {
+            let kept = needed(points, tolerance);
+            let lean = lean.as_ref().map(|lean| kept.iter().map(|&i| lean[i]).collect());
+            Outline { points: kept.iter().map(|&i| points[i]).collect(), lean }
+        };
+        Self { outlines: self.outlines.iter().map(outline).collect(), grid: self.grid }
+    }
+
     /// Area at a height above the mid-plane, square millimetres.
     pub fn area(&self, height: f64) -> f64 {
         self.at(height).iter().map(|contour| area(contour)).sum()
@@ -72,7 +82,8 @@ pub fn plate(shape: &[Contour]) -> Option<Plate> {
     // One bit to spare for walls that lean outwards.
     let grid = 2.0_f64.powi(extent.max(1.0).log2().ceil() as i32 + 1 - BITS);
     let outline = |contour: &Contour| {
-        let mut points: Vec<[f64; 2]> = thinned(contour).into_iter().map(|p| snapped(p, grid)).collect();
+        let kept = needed(contour, TOLERANCE).into_iter();
+        let mut points: Vec<[f64; 2]> = kept.map(|i| snapped(contour[i], grid)).collect();
         points.dedup();
         if points.len() > 1 && points.first() == points.last() {
             points.pop();
@@ -88,9 +99,9 @@ fn snapped([x, y]: [f64; 2], grid: f64) -> [f64; 2] {
     [x, y].map(|c| (c / grid).round() * grid)
 }
 
-/// The points of a closed contour that are needed to stay within [`TOLERANCE`] of it: the farthest that each
+/// The points of a closed contour that are needed to stay within `tolerance` of it: the farthest that each
 /// chord can reach, from the leftmost point on.
-fn thinned(contour: &[[f64; 2]]) -> Vec<[f64; 2]> {
+fn needed(contour: &[[f64; 2]], tolerance: f64) -> Vec<usize> {
     let n = contour.len();
     let Some(start) = (0..n).min_by(|&i, &j| {
         let ([a, b], [c, d]) = (contour[i], contour[j]);
@@ -102,10 +113,10 @@ fn thinned(contour: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept = Vec::new();
     let mut from = 0;
     while from < n {
-        kept.push(contour[(start + from) % n]);
+        kept.push((start + from) % n);
         let follows = |to: usize| {
             (from + 1..to).all(|i| {
-                point(i).distance(nearest_on_segment(point(i), [point(from), point(to)])) <= TOLERANCE
+                point(i).distance(nearest_on_segment(point(i), [point(from), point(to)])) <= tolerance
             })
         };
         let mut to = from + 1;
@@ -144,6 +155,25 @@ mod tests {
         assert_eq!(square.area(0.3), 4.0);
         let sliver = vec![[0.0, 0.0], [3.0, 0.0], [3.0, 5e-4], [0.0, 5e-4]];
         assert_eq!(plate(&[sliver]), None);
+    }
+
+    #[test]
+    fn a_coarser_plate_stays_near_and_keeps_its_leans() {
+        let corner = |i: i32| f64::from(i) * std::f64::consts::TAU / 400.0;
+        let circle: Contour = (0..400).map(|i| [3.0 + corner(i).cos(), 4.0 + corner(i).sin()]).collect();
+        let mut fine = plate(&[circle]).unwrap();
+        fine.outlines[0].lean =
+            Some(fine.outlines[0].points.iter().map(|[x, y]| [x - 3.0, y - 4.0]).collect());
+        let coarse = fine.coarser(0.02);
+        assert!(4 * coarse.outlines[0].points.len() < fine.outlines[0].points.len());
+        for (height, radius) in [(0.0, 1.0), (0.5, 1.5)] {
+            for [x, y] in coarse.outlines[0].at(height) {
+                assert!(((x - 3.0).hypot(y - 4.0) - radius).abs() < 1e-5);
+            }
+        }
+        // A polygon whose sides stay within 0.02 of the circle and 0.001 of the finer one.
+        let area = std::f64::consts::PI;
+        assert!(coarse.area(0.0) < area && coarse.area(0.0) > area * (1.0 - 0.021_f64).powi(2));
     }
 
     #[test]

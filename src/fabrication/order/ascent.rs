@@ -9,7 +9,7 @@
 use kurbo::Point;
 
 /// How often prices are changed.
-const ROUNDS: usize = 100;
+const ROUNDS: usize = 200;
 /// Changes without a better bound after which steps get shorter, and by how much.
 const PATIENCE: usize = 10;
 const SHORTER: f64 = 0.7;

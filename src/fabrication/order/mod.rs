@@ -9,6 +9,8 @@ mod ascent;
 
 mod bound;
 
+mod first_way;
+
 mod heat;
 
 mod nearest;
@@ -26,6 +28,7 @@ use rstar::RTree;
 use super::cuts::ARC_TOLERANCE;
 use super::layout::{CutKind, CutPath, PathVertex};
 use super::web::{CutIndex, nearest_on_segment};
+use first_way::End;
 use tour::{Frame, tour};
 
 pub use bound::spanning_tree;
@@ -66,14 +69,14 @@ pub fn cutting_order(paths: &[CutPath], ligaments: &[Point]) -> Vec<CutPath> {
     let to_border = |from: Point| nearest_in(&border_tree, from).unwrap_or(0.0);
     let to_next = |from: Point| nearest_in(&window_tree, from).unwrap_or_else(|| to_border(from));
 
-    let stops: Vec<[Point; 2]> = units.iter().map(|unit| unit.ends(paths)).collect();
+    let stops: Vec<[End; 2]> = units.iter().map(|unit| unit.ends(paths)).collect();
     let way = tour(&stops, &Frame { home: HOME, onwards: &to_next });
     let mut order: Vec<CutPath> = Vec::with_capacity(paths.len());
     for (unit, back) in way {
         order.extend(units[unit].paths(back).map(|index| directed(&paths[index], back)));
     }
     let at = order.last().map_or(HOME, last);
-    let stops: Vec<[Point; 2]> = windows.iter().map(|path| [first(path); 2]).collect();
+    let stops: Vec<[End; 2]> = windows.iter().map(|path| [[first(path); 2]; 2]).collect();
     let way = tour(&stops, &Frame { home: at, onwards: &to_border });
     order.extend(way.into_iter().map(|(window, _)| windows[window].clone()));
     append_borders(borders, &mut order);
@@ -193,8 +196,11 @@ struct Unit {
 }
 
 impl Unit {
-    fn ends(&self, paths: &[CutPath]) -> [Point; 2] {
-        [first(&paths[self.slit]), last(&paths[self.slit])]
+    /// Where the way comes to it and leaves it: the ends of its bars, or its own.
+    fn ends(&self, paths: &[CutPath]) -> [End; 2] {
+        let slit = &paths[self.slit];
+        [(first(slit), self.bars[0]), (last(slit), self.bars[1])]
+            .map(|(end, bar)| bar.map_or([end; 2], |bar| [first(&paths[bar]), last(&paths[bar])]))
     }
 
     /// Bar, slit, bar, in either direction.

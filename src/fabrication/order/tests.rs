@@ -1,5 +1,6 @@
 use kurbo::Point;
 
+use super::first_way::gap;
 use super::*;
 use crate::fabrication::closed_sheet;
 use crate::fabrication::test_sheet::{TestSheet, profile, sheets};
@@ -79,16 +80,16 @@ fn the_bound_is_the_minimum_spanning_tree() {
 }
 
 /// Length of the best way by trying all.
-fn best_way(stops: &[[Point; 2]], at: Point, onwards: &dyn Fn(Point) -> f64) -> f64 {
+fn best_way(stops: &[[End; 2]], at: End, onwards: &dyn Fn(Point) -> f64) -> f64 {
     if stops.is_empty() {
-        return onwards(at);
+        return onwards(at[0]).min(onwards(at[1]));
     }
     let mut best = f64::INFINITY;
     for i in 0..stops.len() {
         let mut rest = stops.to_vec();
         let [a, b] = rest.swap_remove(i);
         for [enter, leave] in [[a, b], [b, a]] {
-            best = best.min(at.distance(enter) + best_way(&rest, leave, onwards));
+            best = best.min(gap(at, enter) + best_way(&rest, leave, onwards));
         }
     }
     best
@@ -101,7 +102,7 @@ fn the_ascent_lies_between_the_tree_and_the_shortest_way() {
         let ends = points(seed, 12);
         let stops: Vec<[Point; 2]> = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
         let onwards = |p: Point| 100.0 - p.x.max(p.y);
-        let best = best_way(&stops, HOME, &onwards);
+        let best = best_way(&plain(&stops), [HOME; 2], &onwards);
         let ways: Vec<f64> = ends.iter().map(|&end| onwards(end)).collect();
         let mut groups: Vec<Vec<Point>> = stops.iter().map(|stop| stop.to_vec()).collect();
         groups.push(vec![HOME]);
@@ -117,21 +118,30 @@ fn the_ascent_lies_between_the_tree_and_the_shortest_way() {
     assert!((bound - 8.0).abs() < 1e-9, "{bound}");
 }
 
+/// Stops without bars.
+fn plain(stops: &[[Point; 2]]) -> Vec<[End; 2]> {
+    stops.iter().map(|stop| stop.map(|end| [end; 2])).collect()
+}
+
 #[test]
 fn small_tours_are_the_shortest_of_all() {
     let onwards = |p: Point| 100.0 - p.x.max(p.y);
-    for seed in 0..20 {
-        let ends = points(seed, 12);
-        let stops: Vec<[Point; 2]> = ends.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+    for seed in 0..40 {
+        let places = points(seed, 24);
+        // Without bars, and with.
+        let stops: Vec<[End; 2]> = match seed % 2 {
+            0 => places.chunks_exact(4).map(|p| [[p[0]; 2], [p[1]; 2]]).collect(),
+            _ => places.chunks_exact(4).map(|p| [[p[0], p[1]], [p[2], p[3]]]).collect(),
+        };
         let way = tour(&stops, &Frame { home: HOME, onwards: &onwards });
-        let (mut at, mut length) = (HOME, 0.0);
+        let (mut at, mut length) = ([HOME; 2], 0.0);
         for (stop, back) in way {
             let [enter, leave] = if back { [stops[stop][1], stops[stop][0]] } else { stops[stop] };
-            length += at.distance(enter);
+            length += gap(at, enter);
             at = leave;
         }
-        length += onwards(at);
-        let best = best_way(&stops, HOME, &onwards);
+        length += onwards(at[0]).min(onwards(at[1]));
+        let best = best_way(&stops, [HOME; 2], &onwards);
         assert!(length < best * (1.0 + 1e-9), "{seed}: {length} {best}");
     }
 }

@@ -1,22 +1,27 @@
 //! The shortest way through stops that have two ends: in at one, out at the other, whichever way round.
 //!
+//! An end may be a bar across a slit: the way comes to one of the bar's ends, and goes on from either when it leaves. So an end is
+//! two places, and from end to end the way is the shortest between any of them.
+//!
 //! The way begins as chains of the shortest links (greedy matching, as nearest neighbours that nobody else needs more),
 //! joined by nearest neighbour. It is then improved by turning stretches round (2-opt) and by moving up to three stops
 //! elsewhere (Or-opt), along lists of near ends. Last it is shaken: two short stretches change places somewhere, the
 //! neighbourhood is improved again, and what came out longer is taken back. All in a fixed order with a fixed seed.
 
 use kurbo::Point;
+use rayon::prelude::*;
 
-use super::nearest::{Grid, neighbours};
-use crate::geometry::union_find::UnionFind;
+use super::first_way::{Dice, End, chained, gap, near_ends};
 
-/// Near ends that are tried per end.
-const LISTED: usize = 8;
 /// Most stops that are turned round at once, at first and after a shake: longer turns cost more time than they are worth
 /// on large sheets.
 const LONGEST_TURN: [usize; 2] = [30_000, 1000];
 /// Most stops that are moved together.
 const LONGEST_MOVE: usize = 3;
+/// Searches from different first ways, of which the shortest result is taken, and the most stops for which that is done: a way
+/// that goes round a hole the wrong way is not mended by small changes.
+const STARTS: u64 = 6;
+const MOST_RESTARTED: usize = 1500;
 /// Shakes per stop, and at most.
 const SHAKES: [usize; 2] = [20, 8000];
 /// Longest stretch that a shake moves, stops.
@@ -33,30 +38,28 @@ pub struct Frame<'a> {
 }
 
 /// The order of the stops: index, and whether it is run through from its second end to its first.
-pub fn tour(stops: &[[Point; 2]], frame: &Frame) -> Vec<(usize, bool)> {
+pub fn tour(stops: &[[End; 2]], frame: &Frame) -> Vec<(usize, bool)> {
     if stops.is_empty() {
         return Vec::new();
     }
-    let ends: Vec<Point> = stops.iter().flatten().copied().collect();
-    let near = neighbours(&ends, LISTED, |i, j| i / 2 == j / 2);
-    let mut search = Search::new(&ends, &near, frame);
-    let mut all: Vec<u32> = (0..stops.len() as u32).rev().collect();
-    search.improve(&mut all);
-    search.shake();
-    search.tour.iter().map(|&entry| (entry as usize / 2, entry % 2 == 1)).collect()
-}
-
-/// A pseudo-random sequence (splitmix64).
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, limit: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) % limit.max(1)
-    }
+    let ends: Vec<End> = stops.iter().flatten().copied().collect();
+    let near = near_ends(&ends);
+    let onwards = |&[a, b]: &End| (frame.onwards)(a).min((frame.onwards)(b));
+    let onwards: Vec<f64> = ends.par_iter().map(onwards).collect();
+    let searched = |start: u64| {
+        let mut search = Search::new(&ends, &near, frame.home, &onwards, start);
+        search.improve(&mut (0..stops.len() as u32).rev().collect());
+        search.shake();
+        (search.length(), start, search.tour)
+    };
+    let starts = if stops.len() <= MOST_RESTARTED { STARTS } else { 1 };
+    let found: Vec<_> = (0..starts).into_par_iter().map(searched).collect();
+    let shortest = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    shortest
+        .map_or_else(Vec::new, |(_, _, tour)| tour)
+        .iter()
+        .map(|&entry| (entry as usize / 2, entry % 2 == 1))
+        .collect()
 }
 
 /// A change of the way.
@@ -70,10 +73,10 @@ enum Move {
 
 /// Ends are numbered by stop, 2 s and 2 s + 1; a visit is known by the end where it begins.
 struct Search<'a> {
-    ends: &'a [Point],
+    ends: &'a [End],
     near: &'a [Vec<(f64, u32)>],
     home: Point,
-    onwards: Vec<f64>,
+    onwards: &'a [f64],
     /// The end at which every visit begins, in order.
     tour: Vec<u32>,
     /// The place of every stop in the tour.
@@ -85,22 +88,23 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(ends: &'a [Point], near: &'a [Vec<(f64, u32)>], frame: &Frame) -> Self {
-        use rayon::prelude::*;
-        let onwards = ends.par_iter().map(|&end| (frame.onwards)(end)).collect();
-        let tour = chained(ends, near, frame.home);
+    fn new(
+        ends: &'a [End],
+        near: &'a [Vec<(f64, u32)>],
+        home: Point,
+        onwards: &'a [f64],
+        start: u64,
+    ) -> Self {
+        let tour = chained(ends, near, home, start);
         let mut place = vec![0; tour.len()];
         tour.iter().enumerate().for_each(|(at, &entry)| place[entry as usize / 2] = at as u32);
-        Self {
-            ends,
-            near,
-            home: frame.home,
-            onwards,
-            tour,
-            place,
-            longest_turn: LONGEST_TURN[0],
-            journal: Vec::new(),
-        }
+        let longest_turn = LONGEST_TURN[0];
+        Self { ends, near, home, onwards, tour, place, longest_turn, journal: Vec::new() }
+    }
+
+    /// The whole way.
+    fn length(&self) -> f64 {
+        (0..=self.tour.len()).map(|place| self.link(place)).sum()
     }
 
     fn entry(&self, place: usize) -> Option<u32> {
@@ -114,8 +118,8 @@ impl<'a> Search<'a> {
 
     fn way(&self, from: Option<u32>, to: Option<u32>) -> f64 {
         match (from, to) {
-            (Some(from), Some(to)) => self.ends[from as usize].distance(self.ends[to as usize]),
-            (None, Some(to)) => self.home.distance(self.ends[to as usize]),
+            (Some(from), Some(to)) => gap(self.ends[from as usize], self.ends[to as usize]),
+            (None, Some(to)) => gap([self.home; 2], self.ends[to as usize]),
             (Some(from), None) => self.onwards[from as usize],
             (None, None) => 0.0,
         }
@@ -331,43 +335,4 @@ impl<'a> Search<'a> {
             }
         }
     }
-}
-
-/// A first way: the shortest links between near ends that leave every end with one at most and close no ring, then from
-/// the home the chain that begins or ends nearest, and so on.
-fn chained(ends: &[Point], near: &[Vec<(f64, u32)>], home: Point) -> Vec<u32> {
-    let mut links: Vec<(f64, u32, u32)> = Vec::new();
-    for (i, list) in near.iter().enumerate() {
-        links.extend(list.iter().map(|&(distance, j)| (distance, (i as u32).min(j), (i as u32).max(j))));
-    }
-    links.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut partner: Vec<Option<u32>> = vec![None; ends.len()];
-    let mut sets = UnionFind::new(ends.len() / 2);
-    for (_, i, j) in links {
-        let free = partner[i as usize].is_none() && partner[j as usize].is_none();
-        if free && !sets.same(i as usize / 2, j as usize / 2) {
-            sets.join(i as usize / 2, j as usize / 2);
-            (partner[i as usize], partner[j as usize]) = (Some(j), Some(i));
-        }
-    }
-    // The ends of the chains; a stop alone has two.
-    let loose: Vec<u32> = (0..ends.len() as u32).filter(|&end| partner[end as usize].is_none()).collect();
-    let places: Vec<Point> = loose.iter().map(|&end| ends[end as usize]).collect();
-    let grid = Grid::new(&places);
-    let mut used = vec![false; ends.len() / 2];
-    let mut tour = Vec::with_capacity(used.len());
-    let mut at = home;
-    while let Some(&(_, next)) = grid.nearest(at, 1, |i| !used[loose[i as usize] as usize / 2]).first() {
-        let mut end = loose[next as usize];
-        loop {
-            tour.push(end);
-            used[end as usize / 2] = true;
-            at = ends[end as usize ^ 1];
-            match partner[end as usize ^ 1] {
-                Some(next) => end = next,
-                None => break,
-            }
-        }
-    }
-    tour
 }

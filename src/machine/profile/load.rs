@@ -6,7 +6,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::{Machine, read};
-use crate::toml_source::{TomlError, read_text};
+use crate::toml_source::{Shelf, TomlError, TomlFile};
 
 /// The machines inside the program, by name, sorted.
 pub(super) const EMBEDDED: [(&str, &str); 9] = [
@@ -48,37 +48,26 @@ pub enum MachineFileError {
 /// # Errors
 /// Nothing by that name, an unreadable file, or a file that breaks a rule.
 pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Machine, MachineFileError> {
-    if name_or_path.contains(std::path::is_separator) || name_or_path.ends_with(".toml") {
-        return read_file(&base_dir.join(name_or_path));
-    }
-    let user_file = Path::new(USER_FOLDER).join(format!("{name_or_path}.toml"));
-    if user_file.is_file() {
-        return read_file(&user_file);
-    }
-    match EMBEDDED.iter().find(|(name, _)| *name == name_or_path) {
-        Some((name, text)) => Ok(read::parse(text, name, &format!("embedded machine {name}.toml"))?),
-        None => Err(MachineFileError::UnknownName { name: name_or_path.to_owned(), known: names() }),
-    }
+    let file = source(name_or_path, base_dir)?;
+    Ok(read::parse(&file.text, &file.name, &file.label)?)
 }
 
-fn read_file(path: &Path) -> Result<Machine, MachineFileError> {
-    let text = read_text(path)?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    Ok(read::parse(&text, &name, &path.display().to_string())?)
+/// The file that [`load`] reads.
+///
+/// # Errors
+/// Nothing by that name, or an unreadable file.
+pub fn source(name_or_path: &str, base_dir: &Path) -> Result<TomlFile, MachineFileError> {
+    shelf()
+        .find(name_or_path, base_dir)?
+        .ok_or_else(|| MachineFileError::UnknownName { name: name_or_path.to_owned(), known: names() })
 }
 
 /// The names that [`load`] knows: embedded and in the folder `profiles/machines` of the working directory,
 /// sorted.
 pub fn names() -> Vec<String> {
-    let mut names: Vec<String> = EMBEDDED.iter().map(|(name, _)| (*name).to_owned()).collect();
-    // A folder that is absent or unreadable holds no machine.
-    for entry in std::fs::read_dir(USER_FOLDER).into_iter().flatten().flatten() {
-        let file_name = entry.file_name();
-        if let Some(name) = file_name.to_str().and_then(|file_name| file_name.strip_suffix(".toml")) {
-            names.push(name.to_owned());
-        }
-    }
-    names.sort();
-    names.dedup();
-    names
+    shelf().names()
+}
+
+fn shelf() -> Shelf<'static> {
+    Shelf { kind: "machine", embedded: &EMBEDDED, folder: Path::new(USER_FOLDER) }
 }

@@ -11,6 +11,9 @@ use super::{Move, Wanted};
 use crate::fabrication::outline::{Contour, area, contains, contour_box, stroke};
 use crate::geometry::Point3;
 
+/// A tool that comes down so near to where it left goes on there, millimetres.
+const SAME_PLACE: f64 = 1e-3;
+
 /// Bodies of the stock before the border is cut.
 pub struct Bodies {
     /// How many hold parts of the part.
@@ -63,17 +66,9 @@ pub fn before_border(moves: &[Move], wanted: &Wanted) -> Bodies {
     Bodies { bodies: count, loose: bodies.len().saturating_sub(count), findings }
 }
 
-/// Where the last runs begin, those that go around a whole part: a run is all that the tool does between two times above the
-/// stock.
+/// Where the last runs begin, those that go around a whole part.
 fn border_begins(moves: &[Move], all: &[Section], wanted: &Wanted) -> usize {
-    let mut run = 0;
-    let runs: Vec<usize> = moves
-        .iter()
-        .map(|a_move| {
-            run += usize::from(a_move.from.tip.z.min(a_move.to.tip.z) > 0.0);
-            run
-        })
-        .collect();
+    let runs = runs(moves);
     let size = wanted.part.vertices.len().div_ceil(wanted.copies.max(1)).max(1);
     let parts: Vec<Rect> = wanted
         .part
@@ -91,6 +86,24 @@ fn border_begins(moves: &[Move], all: &[Section], wanted: &Wanted) -> usize {
         end -= sections.len();
     }
     end
+}
+
+/// The run of each move: all that the tool does between two times above the stock. Where it comes down again at the place
+/// where it left, as after a retreat, the run goes on.
+fn runs(moves: &[Move]) -> Vec<usize> {
+    let mut runs = Vec::with_capacity(moves.len());
+    let (mut run, mut left, mut away) = (0, None, true);
+    for a_move in moves {
+        let [from, to] = [a_move.from.tip, a_move.to.tip];
+        if from.z > 0.0 && to.z <= 0.0 {
+            run += usize::from(left.is_none_or(|left: Point3| (to - left).norm() > SAME_PLACE));
+            away = false;
+        } else if from.z <= 0.0 && to.z > 0.0 {
+            (left, away) = (Some(from), true);
+        }
+        runs.push(if away && from.z > 0.0 { usize::MAX } else { run });
+    }
+    runs
 }
 
 fn box_of(points: impl Iterator<Item = Point>) -> Rect {
