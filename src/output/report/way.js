@@ -16,7 +16,7 @@ const degrees = (value) => `${fixed(value, value < 10 ? 1 : 0)}\u00b0`;
 // What is to be said of a moment. Of two states alone only their angles are known.
 function wayWords(moment) {
   if (!WAY) return [`largest hinge angle ${degrees(moment * extremes(HINGES.angle)[1])}`];
-  const words = [`largest hinge angle ${degrees(alongWay(WAY.angle_max, moment))}`, `area ${fixed(alongWay(WAY.area, moment), 2)} of the closed one`];
+  const words = [`largest hinge angle ${degrees(alongWay(WAY.angle_max, moment))}`, `area ${fixed(alongWay(WAY.area, moment), 2)} times the closed one`];
   words.push(`path strain ${percent(alongWay(WAY.strain, moment))}`);
   if (alongWay(WAY.clashes, moment) > 0.5) words.push("pieces run into each other");
   return words;
@@ -64,7 +64,7 @@ function drawWay() {
   const hundred = (list) => list.map((value) => 100 * value);
   byId("way").append(
     wayChart({ title: "Hinge angles", unit: "\u00b0", remark: "; the mean, in the band of least and largest", values: WAY.angle_mean, band: [WAY.angle_min, WAY.angle_max], digits: 1 }),
-    wayChart({ title: "Area", unit: " of the closed one", values: WAY.area, digits: 3 }),
+    wayChart({ title: "Area", unit: "", remark: "; times that of the closed sheet", values: WAY.area, digits: 3 }),
     wayChart({ title: "Path strain", unit: " %", remark: "; how far hinge points would part, of an edge", values: hundred(WAY.strain), digits: 3 }));
   byId("way-words").append(...WAY.words.map((text) => element("li", {}, text)));
 }
