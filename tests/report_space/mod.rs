@@ -43,8 +43,8 @@ fn check_states(states: &Value) {
     }
 }
 
-/// Seen from above without perspective the marks of three hinges lie like their points on the sheet: a turn and a scale
-/// that two of them give lead the third one to its place. A click there chooses the hinge, or one less than 2 mm beside it.
+/// Seen from above without perspective the marks of three hinges lie like their points on the sheet: the turn and the scale
+/// that the farther two give lead the third one to its place. A click there chooses the hinge, or one less than 2 mm beside it.
 fn check_picks(picks: &Value, hinges: &[Value]) {
     let picks = picks.as_array().unwrap();
     let point = |hinge: &Value| {
@@ -61,10 +61,12 @@ fn check_picks(picks: &Value, hinges: &[Value]) {
         .collect();
     let apart = |points: &[[f64; 2]], i: usize| [points[i][0] - points[0][0], points[i][1] - points[0][1]];
     let times = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c - b * d, a * d + b * c];
-    let [from, to] = [apart(&on_sheet, 2), apart(&in_window, 2)];
+    let length = |i: usize| apart(&on_sheet, i)[0].hypot(apart(&on_sheet, i)[1]);
+    let [near, far] = if length(1) < length(2) { [1, 2] } else { [2, 1] };
+    let [from, to] = [apart(&on_sheet, far), apart(&in_window, far)];
     let square = from[0] * from[0] + from[1] * from[1];
     let turn = times(to, [from[0] / square, -from[1] / square]);
-    let [wanted, seen] = [times(turn, apart(&on_sheet, 1)), apart(&in_window, 1)];
+    let [wanted, seen] = [times(turn, apart(&on_sheet, near)), apart(&in_window, near)];
     let off = (wanted[0] - seen[0]).hypot(wanted[1] - seen[1]);
     // Axes stand aslant, so that the mark of a rod is not quite where its hinge is.
     assert!(off < 4.0 + 0.04 * seen[0].hypot(seen[1]) && square > 1.0, "{off} pixels: {picks:?}");
