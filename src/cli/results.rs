@@ -24,7 +24,7 @@ use crate::output::folder::{
 };
 use crate::output::preview::assembly::{self, AssemblyPreview};
 use crate::output::preview::{self, Preview};
-use crate::output::report::{self, Report};
+use crate::output::report::{self, Report, Seen};
 use crate::output::{glb, hinge_report, snap_report, svg, toolpath_svg};
 use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Timings, fingerprint};
@@ -101,6 +101,8 @@ pub struct Extras<'a> {
     pub plan: Option<&'a CutPlan>,
     /// The program of a sheet that is milled, and the machine that takes it.
     pub milled: Option<(&'a Milled, &'a Machine)>,
+    /// What the report shows of the targets.
+    pub seen: Seen<'a>,
 }
 
 /// What the person at the mill needs to know.
@@ -281,6 +283,7 @@ impl Results<'_> {
             cutting,
             setup: &setup.rows,
             restarts: &setup.restarts,
+            seen: Seen { morph: self.extras.moving.map(|moving| &moving.morph), ..self.extras.seen },
         }
     }
 
