@@ -53,8 +53,19 @@ fn check_timings(bytes: &[u8]) {
     let timings: Value = serde_json::from_slice(bytes).unwrap();
     let stages = timings["stages"].as_array().unwrap();
     let names: Vec<&str> = stages.iter().map(|stage| stage["name"].as_str().unwrap()).collect();
-    let expected =
-        ["read", "stage-1", "stage-2", "stage-3", "fabrication", "solids", "plan", "output", "verify"];
+    let expected = [
+        "read",
+        "stage-1",
+        "stage-2",
+        "stage-3",
+        "fabrication",
+        "solids",
+        "morph",
+        "plan",
+        "feasibility",
+        "output",
+        "verify",
+    ];
     assert_eq!(names, expected);
     assert!(stages.iter().all(|stage| number(stage, "seconds") >= 0.0));
     assert_eq!(timings.as_object().unwrap().len(), 1);
