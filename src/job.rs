@@ -35,10 +35,10 @@ pub use cut::cut_keys;
 pub use guide::{Guide, GuideWay};
 pub use solver::Solver;
 
-/// A checked job: paths are absolute, numbers finite and in range.
+/// A checked job: paths are as the user named them, numbers finite and in range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Job {
-    /// The job file's folder, absolute.
+    /// The job file's folder, as the user named it.
     pub folder: PathBuf,
     /// The surfaces.
     pub target: Target,
@@ -82,7 +82,7 @@ pub enum Shape {
     Flat,
     /// Whatever the pieces make of it.
     Free,
-    /// The surface in a mesh file; absolute path.
+    /// The surface in a mesh file, from the working folder.
     Mesh(PathBuf),
 }
 
@@ -163,7 +163,7 @@ pub enum Grid {
 /// A mesh file whose faces give the combinatorics of the pattern.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PatternFile {
-    /// Absolute path.
+    /// From the working folder.
     pub path: PathBuf,
     /// What its faces stand for.
     pub reading: Reading,
@@ -178,7 +178,7 @@ pub enum Cuts {
     None,
     /// The shortest ones that let neighbouring pieces turn in opposite senses.
     Automatic,
-    /// Those in a file; absolute path.
+    /// Those in a file, from the working folder.
     File(PathBuf),
 }
 
@@ -276,9 +276,7 @@ pub enum JobError {
 /// file that does not exist; a profile that does not exist or is faulty; what this version does not make.
 pub fn read_job(path: &Path) -> Result<Job, JobError> {
     let text = read_text(path)?;
-    let absolute =
-        std::path::absolute(path).map_err(|source| TomlError::Read { path: path.to_owned(), source })?;
-    let folder = absolute.parent().unwrap_or(Path::new("/")).to_owned();
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     read::parse(&text, &path.display().to_string(), folder)
 }
 

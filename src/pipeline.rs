@@ -40,6 +40,7 @@ use crate::kirigami::rotating::Rotating;
 use crate::kirigami::validity;
 use crate::memory;
 use crate::output::design_json::Stage;
+use crate::output::whole_file::read_regular;
 use crate::profile::Profile;
 use crate::solver::Report;
 use guides::read_guides;
@@ -253,7 +254,7 @@ pub fn fingerprint(bytes: &[u8]) -> String {
 pub fn fingerprints(files: &[(&str, &Path)]) -> BTreeMap<String, String> {
     files
         .iter()
-        .filter_map(|(name, path)| Some(((*name).to_owned(), fingerprint(&std::fs::read(path).ok()?))))
+        .filter_map(|(name, path)| Some(((*name).to_owned(), fingerprint(&read_regular(path).ok()?))))
         .collect()
 }
 

@@ -1,6 +1,5 @@
 //! `kirimorph verify`: the cut files of a folder, read back and measured.
 
-use std::fs;
 use std::path::Path;
 
 use kurbo::{Point, Vec2};
@@ -11,6 +10,7 @@ use super::verify_mill::{self, Sheet};
 use super::{Failure, print};
 use crate::fabrication::layout::Tabs;
 use crate::output::design_json;
+use crate::output::whole_file::read_regular;
 use crate::pipeline::fingerprint;
 use crate::profile::{self, Profile};
 use crate::verify::{self, Files, ONE_PART, Wanted};
@@ -69,7 +69,7 @@ pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: boo
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, Failure> {
-    fs::read(file).map_err(|error| {
+    read_regular(file).map_err(|error| {
         Failure::BadInput(format!("{} cannot be read: {error}; make the files again", file.display()))
     })
 }
@@ -109,7 +109,7 @@ struct Applied {
 /// The profile, with the kerf and the stock that the files were made for, and where the copies lie.
 fn applied(folder: &Path, name: Option<&str>) -> Result<Applied, Failure> {
     let file = folder.join("hinges.json");
-    let applied = match fs::read(&file) {
+    let applied = match read_regular(&file) {
         Ok(bytes) => Some(serde_json::from_slice::<Told>(&bytes).map_err(|error| {
             Failure::BadInput(format!("{}: {error}; make the files again, or give --profile", file.display()))
         })?),

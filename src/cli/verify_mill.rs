@@ -1,6 +1,5 @@
 //! `kirimorph verify` of a milled sheet: the program read back and milled on paper, held against `part.stl`.
 
-use std::fs;
 use std::path::Path;
 
 use kurbo::{Point, Vec2};
@@ -18,6 +17,7 @@ use crate::milling::path::Tab;
 use crate::milling::sweep::finding::Finding;
 use crate::milling::sweep::{Figures, Neck, Wanted};
 use crate::output::folder::PART;
+use crate::output::whole_file::read_regular;
 use crate::pipeline::mill::{copied, measure};
 use crate::profile::Profile;
 
@@ -73,7 +73,8 @@ pub fn run(
         // A name from a file is no path.
         let plain = Path::new(name).file_name().is_some_and(|plain| plain.to_str() == Some(name));
         let text = if plain {
-            fs::read_to_string(folder.join(name))
+            read_regular(&folder.join(name))
+                .and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other))
         } else {
             Err(std::io::ErrorKind::InvalidInput.into())
         };
@@ -135,7 +136,7 @@ fn part(folder: &Path) -> Result<TriMesh, Failure> {
     let file = folder.join(PART);
     let bad =
         |reason: String| Failure::BadInput(format!("{}: {reason}; make the files again", file.display()));
-    let bytes = fs::read(&file).map_err(|error| bad(error.to_string()))?;
+    let bytes = read_regular(&file).map_err(|error| bad(error.to_string()))?;
     let mesh = parse_mesh(&bytes, MeshFormat::Stl).map_err(|error| bad(error.to_string()))?;
     let faces = mesh.faces.iter().filter_map(|face| <[usize; 3]>::try_from(face.as_slice()).ok()).collect();
     Ok(TriMesh { vertices: mesh.vertices, faces })

@@ -4,6 +4,7 @@
 use thiserror::Error;
 
 use super::mechanics::LengthError;
+use crate::kirigami::cover::OTHER_UNITS;
 
 /// Why no cut layout was made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -197,7 +198,8 @@ pub enum FabricationError {
     /// The part does not fit on the stock.
     #[error(
         "the part measures {width:.2} x {height:.2} mm, but the sheet leaves {room_x:.2} x {room_y:.2} mm \
-         between its margins: scale the target by at most {scale:.4}, turn it, or take a larger sheet"
+         between its margins: scale the target by at most {scale:.4}, turn it, or take a larger sheet{}",
+        if *scale < 0.05 { OTHER_UNITS } else { "" }
     )]
     TooLarge {
         /// The part's size in x, with its kerf.

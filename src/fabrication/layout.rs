@@ -114,6 +114,11 @@ impl CutPath {
 fn arc_points(from: Point, to: Point, bulge: f64, tolerance: f64) -> Vec<Point> {
     let sweep = 4.0 * bulge.atan();
     let chord = to - from;
+    // The rise of an arc over its chord c is |bulge| c/2. The centre of one that is next to straight is too far away to
+    // be reckoned with.
+    if 0.5 * bulge.abs() * chord.hypot() <= tolerance {
+        return Vec::new();
+    }
     // The centre lies to the left of the chord for a counter-clockwise arc of less than a half turn.
     let centre = from.midpoint(to) + (0.5 / (0.5 * sweep).tan()) * chord.turn_90();
     let radius = centre.distance(from);
@@ -133,6 +138,16 @@ mod tests {
     fn arc(from: Point, to: Point, bulge: f64) -> Vec<Point> {
         let vertices = [(from, bulge), (to, 0.0)].map(|(point, bulge)| PathVertex { point, bulge });
         CutPath { kind: CutKind::Border, vertices: vertices.into(), closed: false }.flatten(1e-4)
+    }
+
+    /// A damaged file had a bulge of 1e-300: the points lay beyond all numbers, and offsetting them panicked.
+    #[test]
+    fn an_arc_next_to_straight_is_its_chord() {
+        let (from, to) = (Point::new(300.0, 200.0), Point::new(310.0, 201.0));
+        for bulge in [5e-324, 1e-300, 1e-17, -1e-12, 1e-6] {
+            assert_eq!(arc(from, to, bulge), [from, to], "{bulge}");
+        }
+        assert!(arc(from, to, 1e-3).len() > 2);
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub enum GuideWay {
         /// In the open one.
         open: Point3,
     },
-    /// Polylines on the closed surface, and those that they shall lie on: absolute paths of OBJ files.
+    /// Polylines on the closed surface, and those that they shall lie on: paths of OBJ files.
     Curve {
         /// In the closed state.
         closed: PathBuf,

@@ -107,7 +107,7 @@ pub(super) struct RawFabrication {
     sheet_state: Option<Spanned<String>>,
 }
 
-/// Reads and checks the text of a job file that lies in `folder` (absolute); `file` stands in messages.
+/// Reads and checks the text of a job file that lies in `folder`; `file` stands in messages.
 pub(super) fn parse(text: &str, file: &str, folder: PathBuf) -> Result<Job, JobError> {
     let source = TomlSource { file, text };
     let raw: RawJob = source.parse()?;
@@ -177,7 +177,7 @@ fn target(source: &TomlSource, raw: &RawTarget, folder: &Path) -> Result<Target,
     })
 }
 
-/// The absolute path of a mesh file that exists.
+/// The path of a mesh file that exists, as it is said: below the folder as the user named it.
 pub(super) fn mesh_path(
     source: &TomlSource,
     value: &Spanned<String>,
@@ -187,7 +187,8 @@ pub(super) fn mesh_path(
     let found = std::fs::metadata(&path);
     let what = match &found {
         Ok(found) if found.is_dir() => "a directory; allowed is a mesh file".to_owned(),
-        Ok(_) => return Ok(path),
+        Ok(found) if found.is_file() => return Ok(path),
+        Ok(_) => "a device or pipe; allowed is a mesh file".to_owned(),
         Err(error) => format!("not readable as a mesh file: {error}"),
     };
     Err(source.value_error(

@@ -148,7 +148,8 @@ pub enum CoverError {
     },
     /// The gap eats the piece.
     #[error(
-        "pieces with sides of {edge:.3} mm are too small for hinges that stand {gap:.3} mm apart (ligament plus kerf): sides of at least {least:.3} mm are needed; ask for larger pieces or scale the target up"
+        "pieces with sides of {edge:.3} mm are too small for hinges that stand {gap:.3} mm apart (ligament plus kerf): sides of at least {least:.3} mm are needed; ask for larger pieces or scale the target up{}",
+        if *edge < 0.25 * least { OTHER_UNITS } else { "" }
     )]
     GapTooWide {
         /// Mean side of a closed piece.
@@ -159,6 +160,10 @@ pub enum CoverError {
         least: f64,
     },
 }
+
+/// What may be wrong with a target whose size is far off.
+pub(crate) const OTHER_UNITS: &str =
+    "; a mesh is taken to be in millimetres unless the job's [target] says units or size_mm";
 
 /// Most pieces that are accepted.
 pub const MOST_PIECES: usize = 1_000_000;

@@ -2,11 +2,14 @@
 //!
 //! Files are written into a new folder beside the wanted one, which then takes its place. A folder that
 //! already exists is replaced only if it holds nothing but files that a run makes, so that nothing of the
-//! user's is lost and no old result is left among new ones.
+//! user's is lost and no old result is left among new ones. On Linux the two change places in one step: at no
+//! moment is there no folder or half of one. A link to a folder stays; the folder that it leads to is replaced.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+use super::leftover::{Kind, Unfinished, begin, resolved};
 
 /// The finished part as a solid.
 pub const PART: &str = "part.stl";
@@ -102,8 +105,9 @@ fn is_of_a_run(name: &str) -> bool {
 
 /// A folder being filled. Dropped before [`OutputFolder::finish`], it leaves nothing behind.
 pub struct OutputFolder {
+    /// Absolute, links followed.
     wanted: PathBuf,
-    partial: PathBuf,
+    partial: Unfinished,
     is_ours: fn(&str) -> bool,
     finished: bool,
 }
@@ -122,7 +126,10 @@ impl OutputFolder {
         match fs::symlink_metadata(wanted) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
             Err(error) => return Err(io(error)),
-            Ok(_) if !wanted.is_dir() => return Err(FolderError::NotAFolder { path: wanted.to_owned() }),
+            Ok(_) if !wanted.is_dir() => {
+                resolved(wanted).map_err(io)?;
+                return Err(FolderError::NotAFolder { path: wanted.to_owned() });
+            }
             Ok(_) => (),
         }
         for entry in fs::read_dir(wanted).map_err(io)? {
@@ -148,14 +155,10 @@ impl OutputFolder {
     /// A file in its place, a folder with other files, or the file system's refusal.
     pub fn create_of(wanted: &Path, is_ours: fn(&str) -> bool) -> Result<Self, FolderError> {
         Self::check_of(wanted, is_ours)?;
-        let absolute = std::path::absolute(wanted)
-            .map_err(|source| FolderError::Io { path: wanted.to_owned(), source })?;
-        let parent = absolute.parent().unwrap_or(Path::new("/"));
-        let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let partial = parent.join(format!(".{name}.{}.partial", std::process::id()));
-        fs::create_dir_all(parent)
-            .and_then(|()| fs::create_dir(&partial))
-            .map_err(|source| FolderError::Io { path: wanted.to_owned(), source })?;
+        let io = |source| FolderError::Io { path: wanted.to_owned(), source };
+        let absolute = resolved(wanted).map_err(io)?;
+        fs::create_dir_all(absolute.parent().unwrap_or(Path::new("/"))).map_err(io)?;
+        let partial = begin(&absolute, Kind::Folder).map_err(io)?;
         Ok(Self { wanted: absolute, partial, is_ours, finished: false })
     }
 
@@ -168,7 +171,7 @@ impl OutputFolder {
         name: &str,
         write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut out = BufWriter::new(File::create(self.partial.join(name))?);
+        let mut out = BufWriter::new(File::create(self.partial.path.join(name))?);
         write(&mut out)?;
         out.flush()?;
         out.get_ref().sync_all()?;
@@ -180,7 +183,7 @@ impl OutputFolder {
     /// # Errors
     /// The file system's refusal.
     pub fn read(&self, name: &str) -> io::Result<Vec<u8>> {
-        fs::read(self.partial.join(name))
+        fs::read(self.partial.path.join(name))
     }
 
     /// Puts one file of the new folder into the wanted one, beside what that holds.
@@ -190,7 +193,7 @@ impl OutputFolder {
     pub fn put_beside(self, name: &str) -> Result<(), FolderError> {
         let io = |source| FolderError::Io { path: self.wanted.clone(), source };
         fs::create_dir_all(&self.wanted).map_err(io)?;
-        fs::rename(self.partial.join(name), self.wanted.join(name)).map_err(io)
+        fs::rename(self.partial.path.join(name), self.wanted.join(name)).map_err(io)
     }
 
     /// Puts the new folder in the wanted one's place.
@@ -201,32 +204,60 @@ impl OutputFolder {
     pub fn finish(mut self) -> Result<(), FolderError> {
         let io = |source| FolderError::Io { path: self.wanted.clone(), source };
         Self::check_of(&self.wanted, self.is_ours)?;
-        let old = self.partial.with_extension("old");
-        let replaces = self.wanted.exists();
-        if replaces {
-            fs::rename(&self.wanted, &old).map_err(io)?;
-        }
-        if let Err(source) = fs::rename(&self.partial, &self.wanted) {
-            if replaces {
-                // Best effort: the old folder goes back to its name.
-                let _ = fs::rename(&old, &self.wanted);
-            }
-            return Err(FolderError::Io { path: self.wanted.clone(), source });
-        }
+        put_in_place(&self.partial.path, &self.wanted).map_err(io)?;
+        // An empty folder may have been in the way; else the old results bear the partial folder's name now.
         self.finished = true;
-        if replaces {
-            fs::remove_dir_all(&old).map_err(|source| FolderError::Io { path: old, source })
-        } else {
-            Ok(())
+        match fs::remove_dir_all(&self.partial.path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                Err(FolderError::Io { path: self.partial.path.clone(), source })
+            }
+            _ => Ok(()),
         }
     }
+}
+
+/// Puts the folder `new` in the place of `wanted`; what was there then has the name `new`.
+#[cfg(target_os = "linux")]
+fn put_in_place(new: &Path, wanted: &Path) -> io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    let exchange = renameat_with(CWD, new, CWD, wanted, RenameFlags::EXCHANGE);
+    match exchange.map_err(io::Error::from) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => match fs::rename(new, wanted) {
+            // Another run was faster.
+            Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => put_in_place(new, wanted),
+            renamed => renamed,
+        },
+        // Not every file system can do that.
+        Err(_) => put_in_two_steps(new, wanted),
+        Ok(()) => Ok(()),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn put_in_place(new: &Path, wanted: &Path) -> io::Result<()> {
+    put_in_two_steps(new, wanted)
+}
+
+/// As [`put_in_place`], with a moment at which there is no folder `wanted`.
+fn put_in_two_steps(new: &Path, wanted: &Path) -> io::Result<()> {
+    if !wanted.exists() {
+        return fs::rename(new, wanted);
+    }
+    let old = new.with_extension("old");
+    fs::rename(wanted, &old)?;
+    if let Err(error) = fs::rename(new, wanted) {
+        // Best effort: the old folder goes back to its name.
+        let _ = fs::rename(&old, wanted);
+        return Err(error);
+    }
+    fs::rename(old, new)
 }
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         if !self.finished {
             // Nothing better can be done about a folder that cannot be removed.
-            let _ = fs::remove_dir_all(&self.partial);
+            let _ = fs::remove_dir_all(&self.partial.path);
         }
     }
 }

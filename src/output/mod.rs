@@ -26,6 +26,8 @@ pub mod snap_report;
 
 pub mod toolpath_svg;
 
+pub mod leftover;
+
 pub mod whole_file;
 
 pub mod exchange;

@@ -6,7 +6,6 @@
 //! energies read back exactly. The same state gives the same bytes.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -14,6 +13,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use super::json_rows::write_rows;
+use super::whole_file::read_regular;
 use crate::kirigami::design::Piece;
 use crate::solver::journal::Entry;
 use crate::solver::{Iteration, Report, Termination};
@@ -119,7 +119,7 @@ fn reached(partial: &Partial) -> (usize, usize) {
 /// # Errors
 /// See [`PartialError`]; every message names the file.
 pub fn read(path: &Path, hashes: &BTreeMap<String, String>) -> Result<Vec<Entry>, PartialError> {
-    let bytes = fs::read(path).map_err(|source| PartialError::Io { path: path.to_owned(), source })?;
+    let bytes = read_regular(path).map_err(|source| PartialError::Io { path: path.to_owned(), source })?;
     parse(&bytes, path, hashes)
 }
 

@@ -44,6 +44,9 @@ mod read_svg;
 
 mod report;
 
+#[cfg(test)]
+mod round_trip;
+
 use kurbo::{Point, Vec2};
 
 use crate::fabrication::layout::{CutPath, Tabs};
