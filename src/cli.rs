@@ -13,6 +13,7 @@ mod fabricate;
 mod import;
 mod interrupt;
 mod make;
+mod map;
 mod milled;
 mod morphs;
 mod open_state;

@@ -26,6 +26,7 @@ use crate::fabrication::gaps::{half_gaps, is_even};
 use crate::fabrication::placement::place_on_sheet;
 use crate::fabrication::product::{Product, produce};
 use crate::geometry::Point3;
+use crate::geometry::closest::ClosestPoints;
 use crate::job::{Cuts, Grid, Job, Kind, Opening};
 use crate::kirigami::bistable::family::Snapping;
 use crate::kirigami::bistable::reach::most_twisted;
@@ -77,6 +78,8 @@ pub struct Made {
     pub quality: Quality,
     /// What the solver did.
     pub stages: Vec<Stage>,
+    /// The surfaces, with the states that are to become them.
+    pub targets: Vec<(State, ClosestPoints)>,
 }
 
 /// Does the whole job in memory.
@@ -91,7 +94,7 @@ pub fn make(job: &Job, clock: &mut Clock) -> Result<Made, PipelineError> {
     let goals = designed.aims.goals();
     let measured = measure(product.design(), &goals, asked_edge, stretch_ratio);
     let quality = Quality { open_state: designed.quality.open_state, ..measured };
-    Ok(Made { product, quality, stages: designed.stages })
+    Ok(Made { product, quality, stages: designed.stages, targets: designed.aims.surfaces() })
 }
 
 /// Reads the targets and runs Stages 1 to 3, then measures and validates the result.

@@ -6,7 +6,7 @@ mod program;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use program::{FILES, STEEL, command, finish, job, made, number, run, sample_dome};
+use program::{FILES, STEEL, command, finish, job, listing, made, number, run, sample_dome};
 use serde_json::Value;
 
 fn write_dome(folder: &Path) {
@@ -53,8 +53,19 @@ fn check_timings(bytes: &[u8]) {
     let timings: Value = serde_json::from_slice(bytes).unwrap();
     let stages = timings["stages"].as_array().unwrap();
     let names: Vec<&str> = stages.iter().map(|stage| stage["name"].as_str().unwrap()).collect();
-    let expected =
-        ["read", "stage-1", "stage-2", "stage-3", "fabrication", "solids", "plan", "output", "verify"];
+    let expected = [
+        "read",
+        "stage-1",
+        "stage-2",
+        "stage-3",
+        "fabrication",
+        "solids",
+        "morph",
+        "plan",
+        "feasibility",
+        "output",
+        "verify",
+    ];
     assert_eq!(names, expected);
     assert!(stages.iter().all(|stage| number(stage, "seconds") >= 0.0));
     assert_eq!(timings.as_object().unwrap().len(), 1);
@@ -190,5 +201,36 @@ fn usage_errors_are_bad_input() {
     assert_eq!(profiles.status, 0);
     for name in ["steel-304-0.5mm", "nitrile-rubber-2mm"] {
         assert!(profiles.stdout.contains(name));
+    }
+}
+
+#[test]
+fn all_files_but_the_times_are_the_same_whatever_the_threads_the_time_zone_and_the_language() {
+    let folder = peers::fresh_folder("determinism-surroundings");
+    std::fs::write(folder.join("dome.obj"), sample_dome()).unwrap();
+    let nylon = "profile = \"nylon-6-conditioned-5mm\"";
+    let laser = job("open = \"dome.obj\"", "pieces = [10, 10]", STEEL);
+    std::fs::write(folder.join("laser.toml"), laser).unwrap();
+    std::fs::write(folder.join("mill.toml"), job("open = \"dome.obj\"", "pieces = [8, 8]", nylon)).unwrap();
+    for kind in ["laser", "mill"] {
+        let surroundings = [("1", "Asia/Kathmandu", "C"), ("3", "America/St_Johns", "de_DE.UTF-8")];
+        let [one, other] = surroundings.map(|(threads, zone, language)| {
+            let mut command = command(&folder);
+            command.env("RAYON_NUM_THREADS", threads).env("TZ", zone).env("LC_ALL", language);
+            let out = format!("{kind}-{threads}");
+            let run = finish(command.args(["make", &format!("{kind}.toml"), "-o", &out]));
+            assert_eq!(run.status, 0, "{kind}, {threads} threads: {}", run.stderr);
+            let mut files = listing(&folder.join(&out));
+            files.remove(&folder.join(&out).join("timings.json")).unwrap();
+            files
+                .into_iter()
+                .map(|(path, bytes)| (path.file_name().unwrap().to_owned(), bytes))
+                .collect::<Vec<_>>()
+        });
+        assert!(one.len() > 8, "{kind}");
+        for (a, b) in one.iter().zip(&other) {
+            assert!(a == b, "{kind}: {:?} differs", a.0);
+        }
+        assert_eq!(one.len(), other.len());
     }
 }

@@ -177,7 +177,19 @@ fn events_tell_the_work_in_order() {
     let names: Vec<&str> = stages.iter().map(|&(name, over)| if over { name } else { "not over" }).collect();
     assert_eq!(
         names,
-        ["read", "stage-1", "stage-2", "stage-3", "fabrication", "solids", "plan", "output", "verify"]
+        [
+            "read",
+            "stage-1",
+            "stage-2",
+            "stage-3",
+            "fabrication",
+            "solids",
+            "morph",
+            "plan",
+            "feasibility",
+            "output",
+            "verify"
+        ]
     );
     let design = program::design(&DOME.join("events"));
     let stages = design["report"]["stages"].as_array().unwrap().iter();

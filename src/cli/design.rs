@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::map::{figures, map};
 use super::progress::{Reporter, Reporting};
 use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
 use crate::job::read_job;
@@ -11,7 +12,7 @@ use crate::kirigami::feasibility::{Feasibility, Verdict};
 use crate::memory;
 use crate::output::design_json::{self, DesignFile, Provenance, WriteDesignError};
 use crate::output::partial_json;
-use crate::output::stretch_map::{self, StretchMap};
+use crate::output::stretch_map;
 use crate::output::whole_file::write_whole;
 use crate::pipeline::{Clock, PipelineError, Prediction, Progress, placed_design, predict, source_hashes};
 
@@ -117,16 +118,8 @@ fn failure(error: PipelineError) -> Failure {
 }
 
 fn write_map(prediction: &Prediction, name: &str, path: &Path, html: bool) -> Result<(), Failure> {
-    let found = &prediction.feasibility;
-    let map = StretchMap {
-        title: &format!("{name}: {}", found.verdict.word()),
-        mesh: &prediction.mesh,
-        flat: &prediction.flat,
-        openings: &found.openings,
-        beyond: &found.beyond,
-        worst: found.worst.triangle,
-        figures: &figures(prediction),
-    };
+    let (title, rows) = (format!("{name}: {}", prediction.feasibility.verdict.word()), figures(prediction));
+    let map = map(prediction, &title, &rows);
     write_whole::<io::Error>(path, |out| {
         if html { stretch_map::write_html(&map, out) } else { stretch_map::write_svg(&map, out) }
     })
@@ -180,24 +173,4 @@ fn meaning(verdict: Verdict) -> &'static str {
         Verdict::Hard => "the optimisation decides; from a conformal ratio of about 2 on cuts may be needed",
         Verdict::Beyond => "out of reach without cuts",
     }
-}
-
-/// The numbers: label and value.
-fn figures(prediction: &Prediction) -> Vec<(String, String)> {
-    let found = &prediction.feasibility;
-    let ([low, high], worst) = (found.range, &found.worst);
-    let rows = [
-        ("triangles", prediction.mesh.faces.len().to_string()),
-        ("worst stretch ratio", format!("{:.4}", found.worst_ratio)),
-        ("conformal ratio", format!("{:.4}", found.conformal_ratio)),
-        ("opening stretches", format!("{low:.3} to {high:.3}")),
-        ("area within reach", format!("{:.2} %", 100.0 * found.reached)),
-        ("off full opening, mean", format!("{:.2} %", 100.0 * found.mean_deviation)),
-        ("off full opening, most", format!("{:.2} %", 100.0 * found.largest_deviation)),
-        ("worst at face", prediction.worst_face.to_string()),
-        ("worst place", format!("{:.2}, {:.2}, {:.2} mm", worst.at.x, worst.at.y, worst.at.z)),
-        ("stretches there", format!("{:.3} and {:.3}", worst.stretches[0], worst.stretches[1])),
-        ("verdict", found.verdict.word().to_owned()),
-    ];
-    rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect()
 }

@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", requires = "thickness_mm")]
     stl: Option<PathBuf>,
     /// What to write to the folder of --output: the animated morph.glb, closed.obj and open.obj, or a piece-0000.stl per piece.
-    #[arg(long = "format", value_enum, value_delimiter = ',', requires = "output")]
+    #[arg(long = "format", value_name = "FORMAT", value_enum, value_delimiter = ',', requires = "output")]
     formats: Vec<Format>,
     /// Folder for the files of --format.
     #[arg(short, long, value_name = "DIR", requires = "formats")]

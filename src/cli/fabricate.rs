@@ -15,6 +15,7 @@ use crate::machine::{self, Machine};
 use crate::output::design_json::{self, Origin, parse_report};
 use crate::output::folder::OutputFolder;
 use crate::output::hinge_report;
+use crate::output::report::Seen;
 use crate::pipeline::{Clock, Progress, fingerprint};
 use crate::profile::{self, Process, Profile};
 
@@ -60,6 +61,7 @@ pub fn run(
         moving: moving.as_ref(),
         plan: plan.as_ref(),
         milled: None,
+        seen: Seen::default(),
     };
     clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
     let quality = &origin.quality;

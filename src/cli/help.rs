@@ -42,7 +42,8 @@ Examples:
 pub const EXPORT: &str = "\
 Examples:
   kirimorph export out/dome --obj-pair out/dome-pair
-  kirimorph export out/dome --stl out/dome-pieces --thickness-mm 0.5 --state open";
+  kirimorph export out/dome --stl out/dome-pieces --thickness-mm 0.5 --state open
+  kirimorph export out/dome --format glb,obj,stl --thickness-mm 0.5 -o out/dome-export";
 
 pub const SNAP: &str = "\
 Examples:

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use super::check::refuse_failing;
 use super::progress::{Reporter, Reporting};
 use super::results::{Extras, Leaving, Results, cut_lines, dry_run_lines, no_cut_file, outcome, plan};
-use super::{Failure, Optimisation, events, interrupt, milled, morphs, open_state, partial, print, solids};
+use super::{
+    Failure, Optimisation, events, interrupt, map, milled, morphs, open_state, partial, print, solids,
+};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
 use crate::job::{Job, Kind, read_job};
@@ -15,6 +17,7 @@ use crate::kirigami::quality::{Fit, Quality};
 use crate::machine::Machine;
 use crate::memory;
 use crate::output::folder::{MILL_FILES, OutputFolder};
+use crate::output::report::Seen;
 use crate::output::{design_json, hinge_report, partial_json, snap_report};
 use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Made, Progress, limits, make, source_hashes};
@@ -55,12 +58,14 @@ pub fn run(
     let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
     let input = Input { job: &job, name: &name };
     let snap = snapping(&made, &job, &mut clock);
+    let map = map::figure(&job, &mut clock);
     let mut extras = Extras {
         solids: thick.as_ref(),
         snap: snap.as_ref(),
         moving: moving.as_ref(),
         plan: plan.as_ref(),
         milled: None,
+        seen: Seen { targets: &made.targets, map: map.as_deref(), morph: None },
     };
     let fabrication = &job.fabrication;
     let (target, hashes, shown) = (input.target_name(), source_hashes(&job, job_file), figures(&made));
@@ -104,7 +109,7 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
 
 /// The last event: figures under their names in design.json, and the files.
 fn result_event(made: &Made, extras: Extras, input: &Input, leaving: &Leaving) -> serde_json::Value {
-    let Extras { solids: thick, snap, moving, plan, milled } = extras;
+    let Extras { solids: thick, snap, moving, plan, milled, .. } = extras;
     let product = &made.product;
     let hinges = hinge_report::summary(product.hinges());
     let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
@@ -222,7 +227,7 @@ fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
 
 fn summary(made: &Made, extras: Extras, input: &Input, leaving: &Leaving, unused_partial: bool) -> String {
     let folder = leaving.folder;
-    let Extras { solids: thick, snap, moving, plan, milled } = extras;
+    let Extras { solids: thick, snap, moving, plan, milled, .. } = extras;
     let figures = figures(made);
     let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
     let hinges = hinge_report::summary(made.product.hinges());

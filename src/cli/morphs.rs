@@ -67,8 +67,8 @@ pub fn summary(moving: Option<&Moving>, hinges: usize) -> String {
         return match hinges {
             0 => String::new(),
             _ => format!(
-                "  the way between the states of more than {MOST_HINGES} hinges takes minutes and was left out: kirimorph export \
-                 --format glb\n"
+                "  the way between the states was left out, for there are more than {MOST_HINGES} hinges: kirimorph export --format \
+                 glb follows any design\n"
             ),
         };
     };

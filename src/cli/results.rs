@@ -1,33 +1,34 @@
 //! The files of a laid-out design, which `make` and `fabricate` write alike.
 
+mod files;
+
+mod page;
+
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 
-use super::morphs::{self, Moving};
-use super::{Failure, milled, setup_sheet};
+use self::files::write_timings;
+use super::morphs::Moving;
+use super::{Failure, milled};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
-use crate::fabrication::notes::applied_words;
 use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
-use crate::fabrication::product::{Assembly, Product};
+use crate::fabrication::product::Product;
 use crate::kirigami::design::State;
 use crate::kirigami::quality::{Limits, Quality};
 use crate::machine::Machine;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
-use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{
-    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MORPH, MOVED, OPEN_SHEET_FILES, OutputFolder, PART,
-    REPORT, SHEET_FILES, SNAP_FILES, SOLIDS,
+    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MORPH, OPEN_SHEET_FILES, OutputFolder, SHEET_FILES,
+    SNAP_FILES,
 };
-use crate::output::preview::assembly::{self, AssemblyPreview};
-use crate::output::preview::{self, Preview};
-use crate::output::report::{self, Report};
-use crate::output::{glb, hinge_report, snap_report, svg, toolpath_svg};
+use crate::output::preview;
+use crate::output::report::Seen;
+use crate::output::{hinge_report, svg};
 use crate::pipeline::mill::Milled;
-use crate::pipeline::{Clock, Timings, fingerprint};
+use crate::pipeline::{Clock, fingerprint};
 use crate::profile::Profile;
 use crate::snap::assess::Snap;
 use crate::solid::ThickSheet;
@@ -101,13 +102,8 @@ pub struct Extras<'a> {
     pub plan: Option<&'a CutPlan>,
     /// The program of a sheet that is milled, and the machine that takes it.
     pub milled: Option<(&'a Milled, &'a Machine)>,
-}
-
-/// What the person at the mill needs to know.
-#[derive(Default)]
-struct Setup {
-    rows: Vec<(&'static str, String)>,
-    restarts: Vec<String>,
+    /// What the report shows of the targets.
+    pub seen: Seen<'a>,
 }
 
 /// What becomes of the results.
@@ -231,174 +227,6 @@ impl Results<'_> {
         design_json::write(&self.design_file(), &mut bytes)?;
         Ok(fingerprint(&bytes))
     }
-
-    /// Writes all files but the times.
-    fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
-        let Self { product, profile, .. } = self;
-        let hinges = product.hinges();
-        out.write::<WriteError>("design.json", |file| Ok(design_json::write(&self.design_file(), file)?))?;
-        out.write::<WriteError>("hinges.json", |file| {
-            let mill = self.extras.milled.map(|(milled, machine)| milled::object(milled, machine));
-            let cut = self.extras.plan.map(|plan| &plan.report);
-            Ok(hinge_report::write_json(hinges, profile, cut, mill.as_ref(), file)?)
-        })?;
-        out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
-        if let Some(snap) = self.extras.snap {
-            let [json, svg] = SNAP_FILES;
-            let object = snap_report::object(snap, &profile.name);
-            out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
-            out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name, file)?))?;
-        }
-        if let Some(Moving { morph, bodies }) = self.extras.moving {
-            let scene = glb::Scene { name: self.name, design: product.design(), bodies, morph };
-            out.write::<WriteError>(MORPH, |file| Ok(glb::write(&scene, file)?))?;
-        }
-        out.write::<WriteError>(REPORT, |file| {
-            Ok(report::write(&self.report(&self.remarks(), &self.cutting(), &self.setup()), file)?)
-        })?;
-        match (product, self.extras.plan) {
-            (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
-            (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
-            (Product::Assembly(assembly), _) => self.write_assembly(assembly, out),
-        }
-    }
-
-    /// What the page tells that a person decides by.
-    fn report<'b>(&'b self, remarks: &'b [String], cutting: &'b [String], setup: &'b Setup) -> Report<'b> {
-        Report {
-            job: self.name,
-            target: self.target,
-            outcome: self.outcome,
-            product: self.product,
-            quality: self.quality,
-            limits: self.limits,
-            stages: self.stages,
-            profile: self.profile,
-            figures: self.figures,
-            remarks,
-            snap: self.extras.snap,
-            plan: self.extras.plan,
-            cutting,
-            setup: &setup.rows,
-            restarts: &setup.restarts,
-        }
-    }
-
-    /// What the summary says of cutting or milling.
-    fn cutting(&self) -> Vec<String> {
-        match (self.extras.milled, self.extras.plan) {
-            (Some(milled), _) => milled::lines(milled).lines().map(|line| line.trim().to_owned()).collect(),
-            (None, Some(plan)) => plan.report.lines(),
-            (None, None) => Vec::new(),
-        }
-    }
-
-    /// The set-up sheet of a sheet that is milled.
-    fn setup(&self) -> Setup {
-        self.extras.milled.map_or_else(Setup::default, |(milled, machine)| Setup {
-            rows: setup_sheet::rows(milled, self, machine),
-            restarts: std::iter::once(setup_sheet::AGAIN.to_owned())
-                .chain(setup_sheet::restarts(milled))
-                .collect(),
-        })
-    }
-
-    /// What the summary says besides figures, hinges, cuts and snap.
-    fn remarks(&self) -> Vec<String> {
-        let mut remarks: Vec<String> = Vec::new();
-        if let Some(thick) = self.extras.solids {
-            remarks.extend(super::solids::summary(thick).lines().map(|line| line.trim().to_owned()));
-        }
-        let way = morphs::summary(self.extras.moving, self.product.hinges().len());
-        remarks.extend(way.lines().map(|line| line.trim().to_owned()));
-        if matches!(self.product, Product::Assembly(_)) {
-            remarks.push(no_cut_file(&self.profile.name));
-        }
-        let copies = self.extras.plan.map_or(1, |plan| plan.report.copies.len());
-        if copies > 1 {
-            remarks.push(format!("The drawing shows the first of {copies} copies."));
-        }
-        remarks
-    }
-
-    /// The cut files and the page that shows them.
-    fn write_sheet(
-        &self,
-        fabrication: &Fabrication,
-        plan: &CutPlan,
-        out: &OutputFolder,
-    ) -> Result<(), WriteError> {
-        let profile = self.profile;
-        let comments = [
-            format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name, profile.name),
-            format!("millimetres; {}", applied_words(profile)),
-            verify::hash_comment(&fingerprint(&out.read("design.json")?)),
-        ];
-        if let Some((milled, machine)) = self.extras.milled {
-            self.write_program(milled, machine, &comments, out)?;
-        } else {
-            out.write::<WriteError>("cut.dxf", |file| {
-                Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?)
-            })?;
-            out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
-        }
-        if let Some(solids) = self.extras.solids {
-            let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
-            for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
-                out.write::<WriteError>(name, |file| Ok(write_stl(mesh.triangles(), file)?))?;
-            }
-        }
-        let preview = Preview {
-            fabrication,
-            title: self.name,
-            profile: &profile.name,
-            target: self.target,
-            groove: if self.extras.milled.is_some() { "tool" } else { "kerf" },
-            made_from: match self.extras.milled {
-                Some(_) => "the mill runs the program",
-                None => "cut cut.dxf or cut.svg",
-            },
-            figures: self.figures,
-        };
-        out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
-    }
-
-    /// The program, its picture, and what the person at the machine needs to know. What was verified is what is written.
-    fn write_program(
-        &self,
-        milled: &Milled,
-        machine: &Machine,
-        comments: &[String],
-        out: &OutputFolder,
-    ) -> Result<(), WriteError> {
-        for (name, text) in &milled.program.files {
-            out.write::<WriteError>(name, |file| Ok(file.write_all(text.as_bytes())?))?;
-        }
-        let [picture, setup] = MILL_FILES;
-        let stock = [self.profile.sheet.width, self.profile.sheet.height];
-        let drawn = toolpath_svg::Picture { planned: &milled.planned, stock, notes: comments };
-        out.write::<WriteError>(picture, |file| Ok(toolpath_svg::write(&drawn, file)?))?;
-        let text = setup_sheet::setup(milled, self, machine);
-        out.write::<WriteError>(setup, |file| Ok(file.write_all(text.as_bytes())?))
-    }
-
-    /// The solids of the pieces in both states, and the page that shows them.
-    fn write_assembly(&self, assembly: &Assembly, out: &OutputFolder) -> Result<(), WriteError> {
-        for (name, state) in SOLIDS.into_iter().zip([State::Closed, State::Open]) {
-            let triangles = solids(&assembly.design, state, self.profile.sheet.thickness)
-                .map_err(|(piece, error)| WriteError(format!("piece {piece}: {error}")))?;
-            out.write::<WriteError>(name, |file| Ok(write_stl(triangles.iter().copied(), file)?))?;
-        }
-        let page = AssemblyPreview {
-            assembly,
-            title: self.name,
-            profile: &self.profile.name,
-            target: self.target,
-            figures: self.figures,
-            remark: &no_cut_file(&self.profile.name),
-        };
-        out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
-    }
 }
 
 /// What became of a run, in words: what was `done`, and how many hinges fail or are to be looked at.
@@ -460,15 +288,4 @@ pub fn no_cut_file(profile: &str) -> String {
          is for cutting sheets: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be \
          made one by one, and joined at their hinges. For a cut file give the job a flat closed or open target."
     )
-}
-
-/// Writes `timings.json`.
-fn write_timings(timings: &Timings, out: &mut BufWriter<File>) -> Result<(), WriteError> {
-    let stages: Vec<_> = timings
-        .0
-        .iter()
-        .map(|(name, seconds)| serde_json::json!({ "name": name, "seconds": seconds }))
-        .collect();
-    serde_json::to_writer_pretty(&mut *out, &serde_json::json!({ "stages": stages }))?;
-    Ok(writeln!(out)?)
 }

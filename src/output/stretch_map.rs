@@ -18,7 +18,7 @@ use crate::geometry::{Point2, Point3};
 
 mod paint;
 
-use paint::{CLASSES, HATCH, class_colour, class_limits, hatch, hatching, paint};
+use paint::{CLASSES, COARSE, Detail, FINE, HATCH, class_colour, class_limits, hatch, hatching, paint};
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
@@ -61,13 +61,33 @@ pub fn write_svg<W: Write>(map: &StretchMap, mut out: W) -> io::Result<()> {
             text(Point::new(8.0, 14.0), 8.0, &page::shortened(map.title, page::BOLD * 8.0, 400.0))
                 .set("font-weight", "bold"),
         )
-        .add(hatching())
-        .add(flat_view(map))
-        .add(space_view(map))
-        .add(scale_bar())
-        .add(figures(map.figures));
+        .add(body(map, FINE));
     svg::write(&mut out, &document)?;
     writeln!(out)
+}
+
+/// Writes the map as a figure for a page: without heading and size, and coarse enough to be small.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_figure<W: Write>(map: &StretchMap, out: W) -> io::Result<()> {
+    let [left, top] = [FLAT.x0 - 2.0, FLAT.y0 - 2.0];
+    let shown = [left, top, PAGE[0] - 2.0 * left, FIGURES.y1 + 2.0 - top].map(|length| number(length, 0));
+    let document = Document::new()
+        .set("viewBox", shown.join(" "))
+        .set("font-family", "sans-serif")
+        .add(page::rectangle(Rect::new(0.0, 0.0, PAGE[0], PAGE[1]), "#ffffff"))
+        .add(body(map, COARSE));
+    svg::write(out, &document)
+}
+
+fn body(map: &StretchMap, detail: Detail) -> Group {
+    Group::new()
+        .add(hatching())
+        .add(flat_view(map, detail))
+        .add(space_view(map, detail))
+        .add(scale_bar())
+        .add(figures(map.figures))
 }
 
 /// Writes the map as an HTML page: the drawing and the figures as a table.
@@ -92,17 +112,17 @@ pub fn write_html<W: Write>(map: &StretchMap, mut out: W) -> io::Result<()> {
     writeln!(out, "</table></body></html>")
 }
 
-fn flat_view(map: &StretchMap) -> Group {
+fn flat_view(map: &StretchMap, detail: Detail) -> Group {
     let points: Vec<Point> = map.flat.iter().map(|p| Point::new(p.x, p.y)).collect();
     let depths = vec![0.0; map.mesh.faces.len()];
-    let (view, to_page) = view(map, FLAT, "The target laid flat", &points, &depths);
+    let (view, to_page) = view((map, detail), FLAT, "The target laid flat", &points, &depths);
     let triangles: Vec<[Point; 3]> =
         map.mesh.faces.iter().map(|face| face.map(|v| to_page * points[v])).collect();
-    view.add(hatch(&triangles, map.beyond)).add(length_bar(to_page))
+    view.add(hatch(&triangles, map.beyond, detail)).add(length_bar(to_page))
 }
 
 /// The target seen from the front, from above: x to the right, y into the page.
-fn space_view(map: &StretchMap) -> Group {
+fn space_view(map: &StretchMap, detail: Detail) -> Group {
     let (elevation, turn) = (35.0_f64.to_radians(), 30.0_f64.to_radians());
     let seen = |p: &Point3| {
         let across = p.x * turn.cos() - p.y * turn.sin();
@@ -114,11 +134,17 @@ fn space_view(map: &StretchMap) -> Group {
     let points: Vec<Point> = seen.iter().map(|(point, _)| *point).collect();
     let depth = |face: &[usize; 3]| face.iter().map(|&v| seen[v].1).sum::<f64>();
     let depths: Vec<f64> = map.mesh.faces.iter().map(depth).collect();
-    view(map, SPACE, "The target", &points, &depths).0
+    view((map, detail), SPACE, "The target", &points, &depths).0
 }
 
 /// A panel with the coloured triangles and the mark; returns also the map from the points to the page.
-fn view(map: &StretchMap, area: Rect, heading: &str, points: &[Point], depths: &[f64]) -> (Group, Affine) {
+fn view(
+    (map, detail): (&StretchMap, Detail),
+    area: Rect,
+    heading: &str,
+    points: &[Point],
+    depths: &[f64],
+) -> (Group, Affine) {
     let room = Rect::new(area.x0 + 4.0, area.y0 + 10.0, area.x1 - 4.0, area.y1 - 12.0);
     let to_page = page::fit(page::bounds(points.iter().copied()), room);
     let triangles: Vec<[Point; 3]> =
@@ -138,7 +164,7 @@ fn view(map: &StretchMap, area: Rect, heading: &str, points: &[Point], depths: &
     let anchor = if worst.x > area.center().x { "end" } else { "start" };
     let side = if anchor == "end" { -4.5 } else { 4.5 };
     let group = page::panel(area, heading)
-        .add(paint(&triangles, depths, map.openings))
+        .add(paint(&triangles, depths, map.openings, detail))
         .add(ring("#ffffff", 1.4))
         .add(ring("#000000", 0.6))
         .add(text_with_halo(Point::new(worst.x + side, worst.y + 1.4), 4.0, "worst", anchor));

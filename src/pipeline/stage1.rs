@@ -14,6 +14,7 @@
 use super::error::PipelineError;
 use super::meshed::{aligned, from_file};
 use super::surfaces::{LaidFlat, TargetMesh, Targets, first_axis};
+use crate::geometry::closest::ClosestPoints;
 use crate::geometry::flatten::{Flattening, conformal_points};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point2, Vector2};
@@ -61,6 +62,17 @@ pub(super) struct Aims {
 impl Aims {
     pub fn goals(&self) -> Goals<'_> {
         Goals { closed: self.closed.goal(), open: self.open.goal(), guides: &[] }
+    }
+}
+
+impl Aims {
+    /// The surfaces, with the states that are to become them.
+    pub fn surfaces(self) -> Vec<(State, ClosestPoints)> {
+        let surface = |(state, aim)| match aim {
+            Aim::Surface(target, _) => Some((state, target.surface)),
+            _ => None,
+        };
+        [(State::Closed, self.closed), (State::Open, self.open)].into_iter().filter_map(surface).collect()
     }
 }
 

@@ -65,7 +65,8 @@ pub struct SheetSnap {
 
 /// Accuracy of a minimum: the last step lowers the energy by less than this fraction.
 const TOLERANCE: f64 = 1e-9;
-/// The same for positions that are only to be seen: a tenth of it moves no piece by a thousandth of an edge.
+/// The same for positions that are only to be seen: ten times as much and a tenth of it give the way of the default dome to the
+/// same three digits.
 const WAY_TOLERANCE: f64 = 1e-3;
 /// Most steps to a minimum. Where the bending nearly overcomes the misfit they converge slowly.
 const MOST_STEPS: usize = 200;

@@ -4,7 +4,7 @@
 const fs = require("fs");
 const path = require("path");
 const { pathToFileURL } = require("url");
-const { chromium } = require("playwright-core");
+const { framed, launched, space } = require("./report_space.cjs");
 
 const ids = (page) => page.$$eval("#table tbody tr[data-id]", (rows) => rows.map((row) => Number(row.dataset.id)));
 const picked = (page) => page.$eval("#pick", (ring) => ({
@@ -73,9 +73,11 @@ async function picking(page) {
     return [at.x, at.y];
   }, found.entered.at);
   await page.waitForTimeout(400);
+  await framed(page);
   await page.mouse.move(...await spot());
   for (let i = 0; i < 8; i += 1) await page.mouse.wheel(0, -400);
   await page.waitForTimeout(400);
+  await framed(page);
   await page.mouse.click(...await spot());
   found.on_sheet = await picked(page);
   return found;
@@ -83,7 +85,10 @@ async function picking(page) {
 
 async function sheet(page) {
   const view = () => page.$eval("#drawing", (svg) => svg.getAttribute("viewBox").split(" ").map(Number));
-  const rest = () => page.waitForTimeout(400);
+  const rest = async () => {
+    await page.waitForTimeout(400);
+    await framed(page);
+  };
   await page.locator("#zoom-fit").click();
   await rest();
   const start = await view();
@@ -135,7 +140,7 @@ async function visit(browser, file, pictures) {
   found.title = await page.title();
   found.job = await text(page, "#job");
   found.verdict = [await page.$eval("#verdict", (node) => node.className), await text(page, "#verdict")];
-  found.foreign = await page.$$eval("body script", (nodes) => nodes.length) - 2;
+  found.foreign = await page.$$eval("body script", (nodes) => nodes.length) - 3;
   if (pictures) await leavePictures(page, path.join(pictures, path.basename(path.dirname(file))));
   found.sorting = await sorting(page);
   found.filtering = await filtering(page);
@@ -152,8 +157,25 @@ async function visit(browser, file, pictures) {
   }
   found.scroll_ms = steps;
   found.rows_present = (await ids(page)).length;
+  found.space = await space(page);
   await page.close();
   return { ...found, complaints, requests };
+}
+
+// The first page once more, in a browser that has no WebGL.
+async function withoutWebgl(file) {
+  const browser = await launched(["--disable-3d-apis"]);
+  const page = await browser.newPage();
+  const complaints = [];
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  await page.goto(pathToFileURL(file).href);
+  await page.locator("#space").scrollIntoViewIfNeeded();
+  await page.locator("#space-missing").waitFor({ timeout: 10000 });
+  const found = { says: await text(page, "#space-missing"), rows: (await ids(page)).length };
+  found.figure = await page.locator("#space-figure").isVisible();
+  await page.locator("#table tbody tr[data-id]").nth(2).click();
+  await browser.close();
+  return { ...found, complaints };
 }
 
 async function leavePictures(page, base) {
@@ -169,10 +191,11 @@ async function main() {
   const files = process.argv.slice(2);
   const at = files.indexOf("--pictures");
   const pictures = at >= 0 ? files.splice(at, 2)[1] : null;
-  const browser = await chromium.launch({ executablePath: process.env.CHROMIUM || "/usr/bin/chromium", args: ["--no-sandbox"] });
+  const browser = await launched();
   const found = [];
   for (const file of files) found.push(await visit(browser, path.resolve(file), pictures));
   await browser.close();
+  found.push(await withoutWebgl(path.resolve(files[0])));
   process.stdout.write(`${JSON.stringify(found)}\n`);
 }
 

@@ -85,6 +85,11 @@ pub fn packaged(program: &str) -> Option<Command> {
     Some(command)
 }
 
+/// The bundle of three.js that `tests/run` made from the lock of `src/output/report/three`.
+pub fn three() -> Option<PathBuf> {
+    present(root().join("target/peers/three/three.min.js"), "run tests/run, which makes it with npm")
+}
+
 /// A fresh empty folder for one test, inside the build folder.
 pub fn fresh_folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);

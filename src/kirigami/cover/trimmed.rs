@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{Boundary, Cover, Frame, ModelCell, build, extent};
+use super::frame::{Frame, extent};
+use super::{Boundary, Cover, ModelCell, build};
 use crate::geometry::{Point2, Vector2};
 
 /// A straight grid over the bounding rectangle, without the cells that lie outside by more than a sixth. Of

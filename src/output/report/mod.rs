@@ -7,6 +7,7 @@
 
 mod hinges;
 mod sheet;
+mod space;
 mod steps;
 #[cfg(test)]
 mod tests;
@@ -21,23 +22,34 @@ use super::snap_report;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
 use crate::fabrication::plan::{CutPlan, CutReport, Pierce};
 use crate::fabrication::product::Product;
+use crate::geometry::closest::ClosestPoints;
+use crate::kirigami::design::State;
 use crate::kirigami::quality::{Limits, Quality};
+use crate::morph::Morph;
 use crate::profile::{Material, Process, Profile, Shape, embedded};
 use crate::snap::assess::Snap;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 /// In the order in which they run.
-const SCRIPT: [&str; 8] = [
+const SCRIPT: [&str; 13] = [
     include_str!("mechanics.js"),
     include_str!("page.js"),
     include_str!("sheet.js"),
     include_str!("detail.js"),
     include_str!("table.js"),
     include_str!("charts.js"),
+    include_str!("space.js"),
+    include_str!("solid.js"),
+    include_str!("orbit.js"),
+    include_str!("way.js"),
+    include_str!("morph.js"),
     include_str!("what_if.js"),
     include_str!("start.js"),
 ];
+
+/// What the view in space uses of three.js (three/package.json makes it); it defines `THREE`.
+const THREE: &str = include_str!("three/three.min.js");
 
 /// The version of the page's data.
 pub const VERSION: u64 = 1;
@@ -75,6 +87,19 @@ pub struct Report<'a> {
     pub setup: &'a [(&'static str, String)],
     /// Where its program may be begun again, the first line saying how.
     pub restarts: &'a [String],
+    /// What is seen besides.
+    pub seen: Seen<'a>,
+}
+
+/// What the page shows besides; nothing of what is not known.
+#[derive(Clone, Copy, Default)]
+pub struct Seen<'a> {
+    /// The surfaces that states are to become, in the design's coordinates of the state.
+    pub targets: &'a [(State, ClosestPoints)],
+    /// The map of where the target asks for how much stretch, as SVG.
+    pub map: Option<&'a str>,
+    /// The way between the states.
+    pub morph: Option<&'a Morph>,
 }
 
 /// Writes the page.
@@ -95,6 +120,7 @@ pub fn write<W: Write>(report: &Report<'_>, mut out: W) -> Result<(), WriteHinge
             "title" => title.as_bytes(),
             "style" => STYLE.as_bytes(),
             "data" => data.as_bytes(),
+            "three" => THREE.as_bytes(),
             _ => script.as_bytes(),
         })?;
         rest = after;
@@ -137,6 +163,8 @@ fn object(report: &Report) -> Value {
         "remarks": report.remarks,
         "snap": report.snap.map(snap_report::figures),
         "sheet": sheet::object(report),
+        "space": space::object(report),
+        "map": report.seen.map,
         "mechanics": mechanics(profile),
         "materials": materials,
         "hinges": columns,

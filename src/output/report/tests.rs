@@ -21,5 +21,10 @@ fn the_page_asks_for_nothing_outside_of_itself() {
     }
     // Every place is filled, and only these are there.
     let places: Vec<&str> = PAGE.split("{{").skip(1).map(|rest| rest.split("}}").next().unwrap()).collect();
-    assert_eq!(places, ["title", "style", "data", "script"]);
+    assert_eq!(places, ["title", "style", "data", "three", "script"]);
+    // A page in a page: nothing in the bundle ends its script or begins a comment of HTML, and nothing in it loads.
+    for word in ["</script", "<!--", "fetch(", "XMLHttpRequest", "import(", "importScripts", "eval(", "{{"] {
+        assert!(!THREE.contains(word), "{word}");
+    }
+    assert!(THREE.contains("SPDX-License-Identifier: MIT"), "the notice of three.js");
 }

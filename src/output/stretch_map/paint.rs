@@ -13,11 +13,20 @@ pub const CLASSES: usize = 32;
 /// The first and the last class reach to sqrt 2 below and above 1: a sheet of squares opens by that much.
 const REACH: f64 = std::f64::consts::SQRT_2;
 
-/// Meshes with more triangles are drawn as cells: 20,000 triangles take about 1 MB a view.
-const MOST_TRIANGLES: usize = 20_000;
+/// How finely a mesh is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Detail {
+    /// Meshes with more triangles are drawn as cells.
+    pub triangles: usize,
+    /// Side of a cell on the page, millimetres; cells come in runs of one colour.
+    pub cell: f64,
+}
 
-/// Side of a cell on the page, millimetres: two hundred thousand cells at most, in runs of one colour.
-const CELL: f64 = 0.5;
+/// For a file of its own: 20,000 triangles take about 1 MB a view, and there are two hundred thousand cells at most.
+pub const FINE: Detail = Detail { triangles: 20_000, cell: 0.5 };
+
+/// For a figure in a page: some 100 kB in all.
+pub const COARSE: Detail = Detail { triangles: 2500, cell: 0.8 };
 
 /// ColorBrewer's PuOr (C. Brewer, M. Harrower), which colour-blind people can read: less, even, more.
 const STOPS: [[f64; 3]; 7] = [
@@ -50,11 +59,11 @@ pub fn class_colour(class: usize) -> String {
 }
 
 /// Triangles on the page, coloured by their values; nearer ones (smaller depth) hide others.
-pub fn paint(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Group {
-    if triangles.len() <= MOST_TRIANGLES {
+pub fn paint(triangles: &[[Point; 3]], depths: &[f64], values: &[f64], detail: Detail) -> Group {
+    if triangles.len() <= detail.triangles {
         paint_triangles(triangles, depths, values)
     } else {
-        paint_cells(triangles, depths, values)
+        paint_cells(triangles, depths, values, detail.cell)
     }
 }
 
@@ -79,41 +88,41 @@ fn paint_triangles(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> 
 
 /// A grid of cells, each with the colour of the nearest triangle at its centre; of several there the one that
 /// is farthest from 1.
-fn paint_cells(triangles: &[[Point; 3]], depths: &[f64], values: &[f64]) -> Group {
+fn paint_cells(triangles: &[[Point; 3]], depths: &[f64], values: &[f64], cell: f64) -> Group {
     let bounds = page::bounds(triangles.iter().flatten().copied());
-    let (columns, rows) = grid(&bounds);
+    let (columns, rows) = grid(&bounds, cell);
     let mut cells: Vec<Option<usize>> = vec![None; columns * rows];
     for (triangle, corners) in triangles.iter().enumerate() {
-        for (column, row) in covered(corners, &bounds) {
-            let cell = &mut cells[row * columns + column];
+        for (column, row) in covered(corners, &bounds, cell) {
+            let nearest = &mut cells[row * columns + column];
             let key = |i: usize| (depths[i], -values[i].ln().abs());
-            let nearer = cell.is_none_or(|other| {
+            let nearer = nearest.is_none_or(|other| {
                 let ((a, b), (c, d)) = (key(triangle), key(other));
                 a.total_cmp(&c).then(b.total_cmp(&d)).is_lt()
             });
             if nearer {
-                *cell = Some(triangle);
+                *nearest = Some(triangle);
             }
         }
     }
-    let classes: Vec<Option<usize>> = cells.iter().map(|cell| cell.map(|i| class_of(values[i]))).collect();
+    let classes: Vec<Option<usize>> = cells.iter().map(|found| found.map(|i| class_of(values[i]))).collect();
     let painted =
-        runs(&classes, columns, &bounds).into_iter().enumerate().filter(|(_, data)| !data.is_empty());
+        runs(&classes, columns, &bounds, cell).into_iter().enumerate().filter(|(_, data)| !data.is_empty());
     let group = Group::new().set("shape-rendering", "crispEdges");
     painted.fold(group, |group, (class, data)| group.add(page::area(data, &class_colour(class))))
 }
 
 /// Path data per class of a grid of cells: equal neighbours in a row become one rectangle.
-fn runs(cells: &[Option<usize>], columns: usize, bounds: &Rect) -> Vec<String> {
+fn runs(cells: &[Option<usize>], columns: usize, bounds: &Rect, cell: f64) -> Vec<String> {
     let mut paths = vec![String::new(); CLASSES];
     for (row, line) in cells.chunks(columns).enumerate() {
         let mut column = 0;
         for run in line.chunk_by(|a, b| a == b) {
             if let Some(class) = run[0] {
-                let x = number(bounds.x0 + CELL * column as f64, 2);
-                let y = number(bounds.y0 + CELL * row as f64, 2);
-                let width = number(CELL * run.len() as f64, 2);
-                _ = write!(paths[class], "M{x},{y}h{width}v{CELL}h-{width}z");
+                let x = number(bounds.x0 + cell * column as f64, 2);
+                let y = number(bounds.y0 + cell * row as f64, 2);
+                let width = number(cell * run.len() as f64, 2);
+                _ = write!(paths[class], "M{x},{y}h{width}v{cell}h-{width}z");
             }
             column += run.len();
         }
@@ -122,26 +131,27 @@ fn runs(cells: &[Option<usize>], columns: usize, bounds: &Rect) -> Vec<String> {
 }
 
 /// Hatches the chosen ones of triangles that do not hide each other.
-pub fn hatch(triangles: &[[Point; 3]], chosen: &[bool]) -> Group {
+pub fn hatch(triangles: &[[Point; 3]], chosen: &[bool], detail: Detail) -> Group {
+    let cell = detail.cell;
     let picked = triangles.iter().zip(chosen).filter(|(_, chosen)| **chosen).map(|(corners, _)| corners);
     let mut data = String::new();
-    if triangles.len() <= MOST_TRIANGLES {
+    if triangles.len() <= detail.triangles {
         picked.for_each(|corners| page::push_polyline(&mut data, *corners, true, 2));
     } else {
         let bounds = page::bounds(triangles.iter().flatten().copied());
-        let (columns, rows) = grid(&bounds);
+        let (columns, rows) = grid(&bounds, cell);
         let mut cells = vec![None; columns * rows];
-        for (column, row) in picked.flat_map(|corners| covered(corners, &bounds)) {
+        for (column, row) in picked.flat_map(|corners| covered(corners, &bounds, cell)) {
             cells[row * columns + column] = Some(0);
         }
-        data = runs(&cells, columns, &bounds).swap_remove(0);
+        data = runs(&cells, columns, &bounds, cell).swap_remove(0);
     }
     if data.is_empty() { Group::new() } else { Group::new().add(page::area(data, HATCH)) }
 }
 
 /// Columns and rows of the cells over some bounds.
-fn grid(bounds: &Rect) -> (usize, usize) {
-    ((bounds.width() / CELL) as usize + 1, (bounds.height() / CELL) as usize + 1)
+fn grid(bounds: &Rect, cell: f64) -> (usize, usize) {
+    ((bounds.width() / cell) as usize + 1, (bounds.height() / cell) as usize + 1)
 }
 
 /// Fill of hatched areas; the drawing holds [`hatching`].
@@ -155,10 +165,10 @@ pub fn hatching() -> Definitions {
 }
 
 /// The cells whose centres a triangle covers, and the one that holds its own centre.
-fn covered(corners: &[Point; 3], bounds: &Rect) -> Vec<(usize, usize)> {
+fn covered(corners: &[Point; 3], bounds: &Rect, cell: f64) -> Vec<(usize, usize)> {
     let [a, b, c] = *corners;
     let middle = ((a.to_vec2() + b.to_vec2() + c.to_vec2()) / 3.0).to_point();
-    let index = |length: f64| (length / CELL).max(0.0) as usize;
+    let index = |length: f64| (length / cell).max(0.0) as usize;
     let place = |p: Point| (index(p.x - bounds.x0), index(p.y - bounds.y0));
     let area = page::bounds(*corners);
     let ((left, low), (right, high)) =
@@ -167,7 +177,7 @@ fn covered(corners: &[Point; 3], bounds: &Rect) -> Vec<(usize, usize)> {
     for row in low..=high {
         for column in left..=right {
             let centre =
-                Point::new(bounds.x0 + CELL * (column as f64 + 0.5), bounds.y0 + CELL * (row as f64 + 0.5));
+                Point::new(bounds.x0 + cell * (column as f64 + 0.5), bounds.y0 + cell * (row as f64 + 0.5));
             let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (q - p).cross(centre - p));
             if sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0) {
                 cells.push((column, row));
@@ -197,13 +207,14 @@ mod tests {
         // Two triangles make a square of 20 x 20 cells; the one in front hides the other.
         let [a, b, c, d] = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)].map(Point::from);
         let drawn =
-            paint_cells(&[[a, b, c], [a, c, d], [a, b, d]], &[1.0, 1.0, 0.0], &[0.8, 0.8, 1.2]).to_string();
+            paint_cells(&[[a, b, c], [a, c, d], [a, b, d]], &[1.0, 1.0, 0.0], &[0.8, 0.8, 1.2], FINE.cell)
+                .to_string();
         let area = |class: usize| -> f64 {
             let path = drawn.split("<path").find(|path| path.contains(&class_colour(class))).unwrap();
             let widths = path
                 .split('h')
                 .filter_map(|part| part.split_once('v').and_then(|(w, _)| w.parse::<f64>().ok()));
-            widths.map(|width| width * CELL).sum()
+            widths.map(|width| width * FINE.cell).sum()
         };
         // Half of the square each, but for the cells along the diagonal.
         assert!((area(class_of(1.2)) - 50.0).abs() < 6.0, "{}", area(class_of(1.2)));
