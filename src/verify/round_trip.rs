@@ -24,8 +24,8 @@ impl Numbers {
 
 /// A cut through random points; bulges up to `most`, none on the last vertex of an open cut.
 fn path(kind: CutKind, closed: bool, size: [f64; 2], most: f64, numbers: &mut Numbers) -> CutPath {
-    // Of two vertices nobody knows which is the first.
-    let count = if closed { 3 } else { 2 } + numbers.below(6);
+    // In R12 one LINE or ARC alone has no direction, and arcs run counter-clockwise.
+    let count = 3 + numbers.below(6);
     let mut vertices: Vec<PathVertex> = (0..count)
         .map(|_| {
             // R12 has centre and angles with twelve decimals: arcs next to straight lose their ends by that.
