@@ -200,7 +200,7 @@ fn ended(folder: &Path, arguments: &[String], stderr: &Path) -> Result<ExitStatu
     }
 }
 
-/// Copies what is in one folder into another, with folders.
+/// Links what is in one folder into another, with folders: the program never writes into a file that is there.
 fn copy(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for entry in fs::read_dir(from).unwrap() {
@@ -209,21 +209,35 @@ fn copy(from: &Path, to: &Path) {
         if entry.path().is_dir() {
             copy(&entry.path(), &to);
         } else {
-            fs::copy(entry.path(), &to).unwrap();
+            fs::hard_link(entry.path(), &to).unwrap();
         }
     }
 }
 
-/// What a run left that it must not leave.
-fn left_over(folder: &Path, success: bool) -> Option<String> {
-    for path in program::listing(folder).into_keys() {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if name.starts_with('.') {
-            return Some(format!("left {}", path.display()));
+/// Everything below a folder.
+fn below(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![folder.to_owned()];
+    while let Some(at) = open.pop() {
+        for path in fs::read_dir(&at).into_iter().flatten().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                open.push(path.clone());
+            }
+            found.push(path);
         }
     }
-    for out in ["out", "deep/out"].map(|out| folder.join(out)).iter().filter(|out| out.exists()) {
-        let names: Vec<PathBuf> = program::listing(out).into_keys().collect();
+    found
+}
+
+/// What a run left that it must not leave.
+fn left_over(folder: &Path, success: bool) -> Option<String> {
+    let is_hidden =
+        |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    if let Some(path) = below(folder).into_iter().find(is_hidden) {
+        return Some(format!("left {}", path.display()));
+    }
+    for out in ["out", "deep/out"] {
+        let names = below(&folder.join(out));
         if !success && names.iter().any(|path| !path.ends_with("design.partial.json")) {
             return Some(format!("failed and left {names:?}"));
         }
@@ -252,6 +266,7 @@ fn the_program_ends_well_whatever_it_is_given() {
         for _ in 0..random.below(3) {
             let at = random.below(DAMAGED.len());
             let bytes = mutate(&seeds[at], &seeds, &mut random);
+            let _ = fs::remove_file(work.join(DAMAGED[at]));
             fs::write(work.join(DAMAGED[at]), bytes).unwrap();
         }
         let arguments = arguments(&mut random);

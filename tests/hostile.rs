@@ -127,6 +127,31 @@ fn toml_that_goes_deep() {
     refused(&folder, &["check", ".", "-p", "steel-304-0.5mm"], 1, &["design.json"]);
 }
 
+/// The fuzzer doubled a part of the border's path a hundred times, with arcs to a place far away: a minute, 5 GB.
+#[test]
+fn a_cut_file_that_goes_over_its_border_a_hundred_times() {
+    let folder = sound("retraced");
+    let out = program::made(&folder, "job.toml", "out");
+    let svg = std::fs::read_to_string(out.join("cut.svg")).unwrap();
+    let line = svg.lines().find(|line| line.contains("class=\"border\"")).unwrap();
+    let data = line.split("d=\"").nth(1).unwrap().split(" Z").next().unwrap();
+    let far = " A0.275,0.275 0 0 0 5.353002,9262";
+    for (way, times, says) in [
+        ("", 500, "nearly everywhere"),
+        (" A0.275,0.275 0 0 0 500,500", 500, "nearly everywhere"),
+        (far, 100, "far outside of the stock"),
+        (far, 2000, "has room for"),
+    ] {
+        let again = data.replace('M', " L") + way;
+        let changed = format!("{data}{}", again.repeat(times));
+        std::fs::write(out.join("cut.svg"), svg.replacen(data, &changed, 1)).unwrap();
+        let begun = std::time::Instant::now();
+        let verified = run(&folder, ["verify", "out"]);
+        assert!(begun.elapsed().as_secs() < 10, "{way}: {:?}", begun.elapsed());
+        assert!(verified.status == 2 && verified.stderr.contains(says), "{way}: {}", verified.stderr);
+    }
+}
+
 #[test]
 fn messages_name_files_as_the_user_did() {
     let folder = sound("names");
@@ -193,7 +218,7 @@ mod unix {
         for output in ["/dev/null", "/dev/full", "/dev/stdout"] {
             let made = run(&folder, ["design", "job.toml", "-o", output]);
             assert!(made.status == 1 && made.stderr.contains("device or pipe"), "{output}: {made:?}");
-            refused(&folder, &["make", "job.toml", "-o", output], 1, &["-o"]);
+            refused(&folder, &["make", "job.toml", "-o", output], 1, &[output, "name a"]);
         }
         assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
         // A file that never ends.

@@ -94,7 +94,7 @@ pub fn resolved(wanted: &Path) -> io::Result<PathBuf> {
         Ok(_) => fs::canonicalize(wanted).map_err(|error| match error.kind() {
             // Pipes have no path.
             io::ErrorKind::NotFound if wanted.exists() => {
-                io::Error::other("this is a device or pipe; name a file")
+                io::Error::other("this is a device or pipe; name another place")
             }
             io::ErrorKind::NotFound => io::Error::other("this is a link that leads nowhere; remove it"),
             _ => error,

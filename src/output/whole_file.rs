@@ -23,7 +23,7 @@ pub fn write_whole<E: From<io::Error>>(
         return Err(io::Error::other("this is a folder; name a file").into());
     }
     if path.exists() && !path.is_file() {
-        return Err(io::Error::other("this is a device or pipe; name a file").into());
+        return Err(io::Error::other("this is a device or pipe; name another place").into());
     }
     fs::create_dir_all(path.parent().unwrap_or(Path::new("/")))?;
     let partial = begin(&path, Kind::File)?;

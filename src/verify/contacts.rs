@@ -1,5 +1,7 @@
 //! Which cuts meet, which run along each other, and how near the others come.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use kurbo::{Point, Rect};
 use rayon::prelude::*;
 
@@ -35,14 +37,37 @@ pub(super) struct Contacts {
     pub returns: Vec<bool>,
 }
 
+/// Cuts that meet so often that they are no pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Crowded;
+
+/// Pairs of segments that may meet, for each segment and besides. Cuts of ours have a few; those of a file that goes over its
+/// border a hundred times have so many that neither time nor memory is enough.
+const MOST_MEETING: [usize; 2] = [10, 100_000];
+
 impl Contacts {
-    pub fn new(grooves: &Grooves, profile: &Profile) -> Self {
+    /// # Errors
+    /// Far more of them than any pattern has.
+    pub fn new(grooves: &Grooves, profile: &Profile) -> Result<Self, Crowded> {
         let kerf = profile.cut.kerf;
         // A little more than the grooves of a ligament, so that the least web is always found.
         let range = 1.1 * profile.hinge_gap();
-        let search = |index: usize| -> Vec<Pair> { near_pairs(grooves, index, range, kerf) };
+        let most = MOST_MEETING[0] * grooves.segments.len() + MOST_MEETING[1];
+        let meeting = AtomicUsize::new(0);
+        let search = |index: usize| -> Vec<Pair> {
+            if meeting.load(Ordering::Relaxed) > most {
+                return Vec::new();
+            }
+            let pairs = near_pairs(grooves, index, range, kerf);
+            let count = pairs.iter().filter(|pair| pair.contact.is_some() || pair.shared > 0.0).count();
+            meeting.fetch_add(count, Ordering::Relaxed);
+            pairs
+        };
         let mut found: Vec<Pair> =
             (0..grooves.segments.len()).into_par_iter().flat_map_iter(search).collect();
+        if meeting.into_inner() > most {
+            return Err(Crowded);
+        }
         // Stable, after a parallel search in the segments' order; ties by place, as the index has no order.
         found.sort_by(|a, b| {
             a.paths
@@ -65,7 +90,7 @@ impl Contacts {
         let (own, pairs): (Vec<Pair>, Vec<Pair>) =
             pairs.into_iter().partition(|pair| pair.paths[0] == pair.paths[1]);
         own.iter().for_each(|pair| returns[pair.paths[0]] |= pair.contact.is_some());
-        Self { pairs, folded: own.into_iter().filter(|pair| pair.shared > 0.0).collect(), returns }
+        Ok(Self { pairs, folded: own.into_iter().filter(|pair| pair.shared > 0.0).collect(), returns })
     }
 }
 

@@ -42,7 +42,9 @@ fn measure(file: &MachineFile, features: &[Feature], profile: &Profile) -> Vec<F
     let least = features.iter().filter(|feature| feature.measure == Measure::Ligament);
     let mut lenient = profile.clone();
     lenient.cut.min_web = least.map(|feature| feature.nominal).fold(f64::INFINITY, f64::min);
-    paths::check_webs(file, &Contacts::new(&grooves, &lenient), &lenient, &mut faults);
+    if let Ok(contacts) = Contacts::new(&grooves, &lenient) {
+        paths::check_webs(file, &contacts, &lenient, &mut faults);
+    }
     let kerf = profile.cut.kerf;
     for feature in features {
         let span = |axis: Vec2| -> f64 { reach(&grooves, feature, axis) + reach(&grooves, feature, -axis) };

@@ -53,7 +53,7 @@ use crate::fabrication::layout::{CutPath, Tabs};
 use crate::kirigami::design::Design;
 use crate::profile::Profile;
 
-use contacts::Contacts;
+use contacts::{Contacts, Crowded};
 use grooves::Grooves;
 use machine_file::MachineFile;
 
@@ -212,6 +212,9 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
     if !faults.is_empty() || file.paths.is_empty() {
         return (None, faults);
     }
+    if !paths::check_extent(file, wanted.profile, &mut faults) {
+        return (None, faults);
+    }
     let stock_distance = paths::check_stock(file, wanted.profile, &mut faults);
     let shortest_segment = paths::check_segments(file, &mut faults);
     let whole = finish::whole(file, wanted, &mut faults);
@@ -247,7 +250,14 @@ fn measure_part(file: &MachineFile, wanted: Wanted) -> (Figures, Vec<Fault>) {
     let (profile, kerf) = (wanted.profile, wanted.profile.cut.kerf);
     let border = file.paths.len() - 1;
     let grooves = Grooves::new(&file.paths);
-    let contacts = Contacts::new(&grooves, profile);
+    let contacts = match Contacts::new(&grooves, profile) {
+        Ok(contacts) => contacts,
+        Err(Crowded) => {
+            let says = "cross or run along each other nearly everywhere, so nothing else was measured";
+            faults.push(Fault::new(Check::Overlap, file.name, "the cuts", None, says));
+            return (Figures::NOTHING, faults);
+        }
+    };
     let web = paths::check_webs(file, &contacts, profile, &mut faults);
     let burned = burn::check(file, border, &grooves, &contacts, wanted, &mut faults);
     let ligaments = ligaments::check(file, &grooves, wanted, &mut faults);

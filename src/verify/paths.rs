@@ -49,6 +49,53 @@ pub(super) fn check_numbers(file: &MachineFile) -> Vec<Fault> {
     faults
 }
 
+/// Whether there is anything to measure: a stock has room for cuts of a certain length side by side, and cuts that are
+/// further away than it is large are not on it. Measuring them would take time and memory without end.
+pub(super) fn check_extent(file: &MachineFile, profile: &Profile, faults: &mut Vec<Fault>) -> bool {
+    let sheet = &profile.sheet;
+    let (length, room) = (file.paths.iter().map(length).sum::<f64>(), sheet.width * sheet.height);
+    let longest = 2.0 * room / profile.cut.min_web + 4.0 * (sheet.width + sheet.height);
+    if length > longest {
+        let says = format!(
+            "are {length:.0} mm long together, the stock of {} x {} mm has room for {longest:.0} mm",
+            sheet.width, sheet.height
+        );
+        faults.push(Fault::new(Check::Stock, file.name, "the cuts", None, says));
+        return false;
+    }
+    let beyond = sheet.width + sheet.height;
+    let far = |at: Point| {
+        at.x < -beyond || at.y < -beyond || at.x > sheet.width + beyond || at.y > sheet.height + beyond
+    };
+    for (index, path) in file.paths.iter().enumerate() {
+        if let Some(vertex) = path.vertices.iter().find(|vertex| far(vertex.point)) {
+            let says = format!("lies far outside of the stock of {} x {} mm", sheet.width, sheet.height);
+            faults.push(Fault::new(
+                Check::Stock,
+                file.name,
+                cut_name(&file.paths, index),
+                vertex.point,
+                says,
+            ));
+            return false;
+        }
+    }
+    true
+}
+
+/// Length of a cut, arcs as they are.
+fn length(path: &CutPath) -> f64 {
+    let count = path.vertices.len();
+    let segments = if path.closed { count } else { count - 1 };
+    let segment = |i: usize| {
+        let (from, to) = (path.vertices[i], path.vertices[(i + 1) % count].point);
+        let (chord, bulge) = (from.point.distance(to), from.bulge.abs());
+        // Radius times sweep; a quarter of the sweep is the bulge's arc tangent.
+        if bulge < 1e-6 { chord } else { chord * (1.0 + bulge * bulge) / bulge * bulge.atan() }
+    };
+    (0..segments).map(segment).sum()
+}
+
 /// Number and length of the cuts per layer.
 pub(super) fn cuts(paths: &[CutPath]) -> Vec<(&'static str, usize, f64)> {
     let of = |kind: CutKind| {

@@ -24,14 +24,13 @@ impl Numbers {
 
 /// A cut through random points; bulges up to `most`, none on the last vertex of an open cut.
 fn path(kind: CutKind, closed: bool, size: [f64; 2], most: f64, numbers: &mut Numbers) -> CutPath {
-    let count = 2 + numbers.below(6);
+    // Of two vertices nobody knows which is the first.
+    let count = if closed { 3 } else { 2 } + numbers.below(6);
     let mut vertices: Vec<PathVertex> = (0..count)
         .map(|_| {
-            let bulge = match numbers.below(3) {
-                0 => 0.0,
-                1 => most * (2.0 * numbers.next() - 1.0),
-                _ => most * (2.0 * numbers.next() - 1.0) * 10f64.powi(-(numbers.below(6) as i32)),
-            };
+            // R12 has centre and angles with twelve decimals: arcs next to straight lose their ends by that.
+            let bulge = most * 10f64.powf(-2.0 * numbers.next());
+            let bulge = [0.0, bulge, -bulge][numbers.below(3)];
             PathVertex { point: Point::new(size[0] * numbers.next(), size[1] * numbers.next()), bulge }
         })
         .collect();
