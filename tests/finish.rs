@@ -158,8 +158,10 @@ const SEEDS: [Seed; 10] = [
     ("a lead more, across a piece", Check::Lead, |layout| {
         let lead = first(layout, CutKind::Lead);
         let mut more = layout.paths[lead].clone();
-        more.vertices
-            .insert(0, PathVertex { point: more.vertices[1].point + Vec2::new(9.0, 4.0), bulge: 0.0 });
+        // On beyond the cut where it ends, and back.
+        let [from, to] = [more.vertices[0].point, more.vertices[1].point];
+        let point = to + 9.0 * (to - from).normalize();
+        more.vertices.insert(0, PathVertex { point, bulge: 0.0 });
         layout.paths[lead] = more;
     }),
 ];

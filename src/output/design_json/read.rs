@@ -90,7 +90,8 @@ pub enum InvalidDesignFile {
     },
     /// A pattern that this program does not know.
     #[error(
-        "the pattern \"{found}\" is not known to this version, which reads \"rotating-rectangles\" and \"imported\""
+        "the pattern \"{found}\" is not known to this version, which reads \"rotating-rectangles\", \"bistable\" and \
+         \"imported\""
     )]
     Pattern {
         /// The pattern as written, shortened.
