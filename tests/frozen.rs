@@ -35,7 +35,7 @@ fn designs_of_version_1_are_laid_out_as_they_were_designed() {
         assert!(largest_difference(&old_points, &new_points) < 1e-9, "{name}");
         // Their schema is the one that is documented.
         let texts = [std::fs::read_to_string(&file).unwrap()];
-        let breaches = peers::schema_breaches(&format!("frozen-{name}"), "design.schema.json", &texts);
+        let breaches = peers::schema_breaches(&format!("frozen-schema-{name}"), "design.schema.json", &texts);
         assert!(breaches.is_none_or(|found| found.iter().all(Vec::is_empty)), "{name}");
         assert_eq!(run(&folder, ["verify", "out"]).status, 0);
     }
