@@ -6,7 +6,7 @@ mod program;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use program::{FILES, STEEL, command, finish, job, listing, made, number, run, sample_dome};
+use program::{FILES, STAGES, STEEL, command, finish, job, listing, made, number, run, sample_dome};
 use serde_json::Value;
 
 fn write_dome(folder: &Path) {
@@ -53,20 +53,7 @@ fn check_timings(bytes: &[u8]) {
     let timings: Value = serde_json::from_slice(bytes).unwrap();
     let stages = timings["stages"].as_array().unwrap();
     let names: Vec<&str> = stages.iter().map(|stage| stage["name"].as_str().unwrap()).collect();
-    let expected = [
-        "read",
-        "stage-1",
-        "stage-2",
-        "stage-3",
-        "fabrication",
-        "solids",
-        "morph",
-        "plan",
-        "feasibility",
-        "output",
-        "verify",
-    ];
-    assert_eq!(names, expected);
+    assert_eq!(names, STAGES);
     assert!(stages.iter().all(|stage| number(stage, "seconds") >= 0.0));
     assert_eq!(timings.as_object().unwrap().len(), 1);
 }

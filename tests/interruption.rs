@@ -175,22 +175,7 @@ fn events_tell_the_work_in_order() {
         }
     }
     let names: Vec<&str> = stages.iter().map(|&(name, over)| if over { name } else { "not over" }).collect();
-    assert_eq!(
-        names,
-        [
-            "read",
-            "stage-1",
-            "stage-2",
-            "stage-3",
-            "fabrication",
-            "solids",
-            "morph",
-            "plan",
-            "feasibility",
-            "output",
-            "verify"
-        ]
-    );
+    assert_eq!(names, program::STAGES);
     let design = program::design(&DOME.join("events"));
     let stages = design["report"]["stages"].as_array().unwrap().iter();
     // Stage 1 is no minimisation of the solver's.

@@ -41,6 +41,21 @@ pub const OPEN_SHEET_FILES: [&str; 11] = [
     "timings.json",
 ];
 
+/// The stages of a sheet for a laser, in their order.
+pub const STAGES: [&str; 11] = [
+    "read",
+    "stage-1",
+    "stage-2",
+    "stage-3",
+    "fabrication",
+    "solids",
+    "morph",
+    "plan",
+    "feasibility",
+    "output",
+    "verify",
+];
+
 /// How a run of the program ended.
 #[derive(Debug)]
 pub struct Run {
