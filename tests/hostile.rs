@@ -227,7 +227,9 @@ mod unix {
         let made = run(&folder, ["make", "zero.toml"]);
         assert!(made.status == 1 && made.stderr.contains("device or pipe"), "{made:?}");
         // A pipe into which nobody writes.
-        assert!(std::process::Command::new("mkfifo").arg(folder.join("pipe.toml")).status().unwrap().success());
+        assert!(
+            std::process::Command::new("mkfifo").arg(folder.join("pipe.toml")).status().unwrap().success()
+        );
         for command in ["make", "design", "check"] {
             refused(&folder, &[command, "pipe.toml"], 1, &["pipe.toml", "device or pipe"]);
         }
