@@ -63,7 +63,7 @@ pub trait Family {
         pattern: Self::Pattern,
         halves: &[f64],
         run: &mut Run,
-    ) -> (Self::Pattern, Report);
+    ) -> (Self::Pattern, Vec<Report>);
 
     /// The pieces and hinges of a pattern.
     fn design(&self, level: &Level, pattern: &Self::Pattern) -> Design;
@@ -169,12 +169,11 @@ impl<F: Family> Climb<'_, F> {
             let Some(halves) = halves(&self.family.design(level, &pattern)) else { break };
             let later = (SPACING_ROUNDS - 1 - round) * phases::hard().options.iterations;
             let watch = &mut |step: &Step| (run.watch)(&Step { phase: round, later, ..*step });
-            let report;
-            (pattern, report) =
+            let more;
+            (pattern, more) =
                 self.family.space(level, pattern, &halves, &mut Run { journal: run.journal, watch });
-            let interrupted = report.termination == Termination::Interrupted;
-            reports.push(report);
-            if interrupted {
+            reports.extend(more);
+            if reports.last().is_some_and(|report| report.termination == Termination::Interrupted) {
                 break;
             }
         }

@@ -110,10 +110,10 @@ impl Family for Snapping<'_> {
         }
     }
 
-    fn space(&self, level: &Level, done: Fitted, halves: &[f64], run: &mut Run) -> (Fitted, Report) {
+    fn space(&self, level: &Level, done: Fitted, halves: &[f64], run: &mut Run) -> (Fitted, Vec<Report>) {
         let problem = self.problem(level, &done, &done.pattern);
         let (pattern, report) = space(&problem, done.pattern.clone(), &done.corners, halves, run);
-        (Fitted { pattern, ..done }, report)
+        (Fitted { pattern, ..done }, vec![report])
     }
 
     fn design(&self, level: &Level, done: &Fitted) -> Design {
