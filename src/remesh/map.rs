@@ -2,7 +2,7 @@
 
 use super::RemeshError;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
-use crate::geometry::stretch::{Gradients, PlaneMap};
+use crate::geometry::stretch::{Gradients, PlaneMap, laid_out};
 use crate::geometry::topology::check_disk;
 use crate::geometry::{Point2, Point3, Vector3};
 use nalgebra::Complex;
@@ -115,16 +115,6 @@ impl Principal {
     pub fn along(&self, direction: Complex<f64>) -> f64 {
         direction.norm() / self.closing.apply(direction).norm()
     }
-}
-
-/// A face laid in the plane, its first edge along x.
-pub(super) fn laid_out(mesh: &TriMesh, face: &[usize; 3]) -> [Point2; 3] {
-    let [a, b, c] = face.map(|v| mesh.vertices[v]);
-    let (ab, ac) = (b - a, c - a);
-    let length = ab.norm();
-    let along = ac.dot(&ab) / length;
-    let across = (ac - ab * (along / length)).norm();
-    [Point2::origin(), Point2::new(length, 0.0), Point2::new(along, across)]
 }
 
 fn normal(mesh: &TriMesh, face: &[usize; 3]) -> Vector3 {

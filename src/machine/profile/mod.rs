@@ -7,7 +7,7 @@
 mod load;
 mod read;
 
-pub use load::{MachineFileError, load, names, source};
+pub use load::{load, names, source};
 pub use read::parse;
 
 use nalgebra::Rotation3;
