@@ -264,17 +264,6 @@ impl<'a> TomlSource<'a> {
         self.error(span, message, help)
     }
 
-    /// The bytes of the key at a dotted path of bare keys (`pattern.opening`), if the text has it.
-    pub fn key_span(&self, path: &str) -> Option<Range<usize>> {
-        let root = DeTable::parse(self.text).ok()?;
-        let (parents, last) = path.rsplit_once('.').map_or((None, path), |(head, tail)| (Some(head), tail));
-        let mut table = root.get_ref();
-        for name in parents.into_iter().flat_map(|parents| parents.split('.')) {
-            table = table.get(name)?.get_ref().as_table()?;
-        }
-        table.get_key_value(last).map(|(key, _)| key.span())
-    }
-
     /// The dotted path of the key whose name or value stands at byte `position`; empty if none does.
     fn key_at(&self, position: usize) -> String {
         let Ok(root) = DeTable::parse(self.text) else { return String::new() };

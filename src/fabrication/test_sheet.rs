@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use kurbo::Point;
 
-use super::layout::CutPath;
+use crate::fabrication::layout::CutPath;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge, PatternKind, Piece, State};
 use crate::profile::{Beam, Cut, Ligament, Machine, Material, Pole, Process, Profile, Shape, Sheet};

@@ -1,10 +1,10 @@
 //! A map between two surfaces, triangle by triangle: what it stretches, and where.
 
 use super::RemeshError;
+use crate::geometry::Vector3;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
 use crate::geometry::stretch::{Gradients, PlaneMap, laid_out};
 use crate::geometry::topology::check_disk;
-use crate::geometry::{Point2, Point3, Vector3};
 use nalgebra::Complex;
 
 /// A map from a closed state to an open one: two meshes with the same triangles, both disks.
@@ -60,15 +60,6 @@ impl SurfaceMap {
             check_folds(mesh, state)?;
         }
         Ok(Self { closed, open, boundary })
-    }
-
-    /// The way back from a flattening (#V points) of `open`.
-    ///
-    /// # Errors
-    /// As [`SurfaceMap::new`].
-    pub fn from_flattening(open: TriMesh, flat: &[Point2]) -> Result<Self, RemeshError> {
-        let vertices = flat.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
-        Self::new(TriMesh { vertices, faces: open.faces.clone() }, open)
     }
 
     /// The closed state.

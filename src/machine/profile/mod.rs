@@ -176,12 +176,6 @@ impl Machine {
     pub fn follows_axes(&self) -> bool {
         self.rotary.is_some()
     }
-
-    /// A copy with other digits and no split: the test of what rounding costs.
-    #[must_use]
-    pub fn with_decimals(&self, decimals: usize, angle_decimals: usize) -> Self {
-        Self { output: Output { decimals, angle_decimals, ..self.output.clone() }, ..self.clone() }
-    }
 }
 
 #[cfg(test)]
