@@ -110,11 +110,15 @@ impl fmt::Display for Limits {
 /// Reads a text file.
 ///
 /// # Errors
-/// The file is missing, a directory, longer than 1 MiB or not UTF-8.
+/// The file is missing, a directory, a device or pipe, which may never end, longer than 1 MiB or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, TomlError> {
     let read_error = |source| TomlError::Read { path: path.to_owned(), source };
-    if std::fs::metadata(path).map_err(read_error)?.is_dir() {
+    let kind = std::fs::metadata(path).map_err(read_error)?.file_type();
+    if kind.is_dir() {
         return Err(TomlError::Directory { path: path.to_owned() });
+    }
+    if !kind.is_file() {
+        return Err(read_error(std::io::Error::other("it is a device or pipe; name a file")));
     }
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path).map_err(read_error)?;
