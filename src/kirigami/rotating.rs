@@ -4,7 +4,7 @@ use super::control_mesh::{ControlMesh, Goals};
 use super::cover::Cover;
 use super::design::Design;
 use super::hinges;
-use super::levels::{Displacement, Family, Level, mean_displacement};
+use super::levels::{Beginning, Displacement, Family, Level, mean_displacement};
 use super::pattern::{Opening, Pattern, Unknowns, initial_pattern};
 use super::pattern_terms::{hard_terms, soft_terms};
 use super::phases::{Phase, hard, run_phases};
@@ -45,17 +45,17 @@ impl Family for Rotating<'_> {
         level: &Level,
         start: Pattern,
         border: &Pattern,
-        refined: bool,
+        beginning: Beginning,
         name: &str,
         run: &mut Run,
     ) -> (Pattern, Vec<Report>) {
         let Level { cover, gap } = level;
         let problem = Problem { cover, goals: self.goals, gap: *gap, weights: self.stage3 };
-        stage3(&problem, start, border, &regime(level, refined), name, run)
+        stage3(&problem, start, border, &regime(level, beginning), name, run)
     }
 
-    fn most_steps(&self, level: &Level, refined: bool) -> usize {
-        regime(level, refined).most_steps()
+    fn most_steps(&self, level: &Level, beginning: Beginning) -> usize {
+        regime(level, beginning).most_steps()
     }
 
     fn displacement(&self, cover: &Cover, first: &Pattern, pattern: &Pattern) -> Displacement {
@@ -122,8 +122,11 @@ fn soft_again() -> Phase {
     }
 }
 
-fn regime(level: &Level, refined: bool) -> Regime {
-    if refined { Regime::from_coarser(level.cover.mesh.pieces.len()) } else { Regime::from_model() }
+fn regime(level: &Level, beginning: Beginning) -> Regime {
+    match beginning {
+        Beginning::Model => Regime::from_model(),
+        Beginning::Coarser => Regime::from_coarser(level.cover.mesh.pieces.len()),
+    }
 }
 
 /// How far a pattern has moved since `first`.

@@ -3,7 +3,7 @@
 //!
 //! What goes in: the checked cuts, true outlines and rigid motions of [`crate::fabrication`], and how the
 //! process leaves the walls of its cuts ([`Walls`]). Stages: [`outline`] burns the cuts and drops needless
-//! points, [`rulings`] gives every point of an outline the direction in which its wall runs through the
+//! points, `rulings` gives every point of an outline the direction in which its wall runs through the
 //! sheet, [`caps`] triangulates the faces, [`loft()`] joins them to closed shells, [`clash`] looks for pieces
 //! that interpenetrate.
 //!

@@ -11,7 +11,8 @@ use crate::fabrication::plan::CutPlan;
 use crate::fabrication::product::{Assembly, Product};
 use crate::kirigami::design::State;
 use crate::machine::Machine;
-use crate::output::design_json;
+use crate::output::Heading;
+use crate::output::design_json::{self, Provenance};
 use crate::output::exchange::{solids, write_stl};
 use crate::output::folder::{MILL_FILES, MORPH, MOVED, OutputFolder, PART, REPORT, SNAP_FILES, SOLIDS};
 use crate::output::preview::assembly::{self, AssemblyPreview};
@@ -25,6 +26,12 @@ impl Results<'_> {
     /// Of the job or the design.
     pub(in super::super) fn name(&self) -> &str {
         self.file.provenance.job
+    }
+
+    /// What its pages are called, and their figures.
+    pub(super) fn heading(&self) -> Heading<'_> {
+        let Provenance { job: name, target, .. } = self.file.provenance;
+        Heading { name, target, profile: self.profile, figures: self.figures }
     }
 
     /// Writes all files but the times.
@@ -87,15 +94,12 @@ impl Results<'_> {
         }
         let preview = Preview {
             fabrication,
-            title: self.name(),
-            profile: &profile.name,
-            target: self.file.provenance.target,
+            heading: self.heading(),
             groove: if self.extras.milled.is_some() { "tool" } else { "kerf" },
             made_from: match self.extras.milled {
                 Some(_) => "the mill runs the program",
                 None => "cut cut.dxf or cut.svg",
             },
-            figures: self.figures,
         };
         out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
     }
@@ -126,14 +130,8 @@ impl Results<'_> {
                 .map_err(|(piece, error)| WriteError(format!("piece {piece}: {error}")))?;
             out.write::<WriteError>(name, |file| Ok(write_stl(triangles.iter().copied(), file)?))?;
         }
-        let page = AssemblyPreview {
-            assembly,
-            title: self.name(),
-            profile: &self.profile.name,
-            target: self.file.provenance.target,
-            figures: self.figures,
-            remark: &no_cut_file(&self.profile.name),
-        };
+        let page =
+            AssemblyPreview { assembly, heading: self.heading(), remark: &no_cut_file(&self.profile.name) };
         out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
     }
 }

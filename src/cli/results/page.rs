@@ -21,15 +21,12 @@ impl Results<'_> {
         setup: &'b Setup,
     ) -> Report<'b> {
         Report {
-            job: self.name(),
-            target: self.file.provenance.target,
+            heading: self.heading(),
             outcome: self.outcome,
             product: self.product,
             quality: self.file.quality,
             limits: self.limits,
             stages: self.file.stages,
-            profile: self.profile,
-            figures: self.figures,
             remarks,
             snap: self.extras.snap.as_ref(),
             plan: self.extras.plan.as_ref(),

@@ -13,14 +13,11 @@ use crate::fabrication::hinge_table::Verdict;
 use crate::fabrication::layout::{CutKind, CutPath};
 use crate::fabrication::ligament::MeasuredLigament;
 use crate::fabrication::outline::area;
-use crate::fabrication::test_sheet::{TestSheet, cut_open, profile, sheets};
+use crate::fabrication::test_sheet::{ROUNDING, TestSheet, assert_moved, cut_open, profile, sheets, turn};
 use crate::fabrication::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
 use crate::profile::Pole;
-
-/// Rounding of coordinates of some 100 mm through a few dozen operations.
-const ROUNDING: f64 = 1e-9;
 
 fn made(sheet: &TestSheet, phi: f64) -> Fabrication {
     let design = cut_open(sheet.design(phi));
@@ -165,21 +162,11 @@ fn a_window_is_its_hinge_polygon_with_feet_and_without_the_corners_at_the_ligame
 
 #[test]
 fn turning_the_sheet_turns_the_cuts() {
-    let (sin, cos) = 0.7_f64.sin_cos();
-    let turn = |x: f64, y: f64| [cos * x - sin * y + 3.0, sin * x + cos * y - 40.0];
     for (sheet, phi) in sheets() {
         let design = cut_open(sheet.design(phi));
         let (straight, _) = cuts(&design, 1.1);
         let (turned, _) = cuts(&moved(&design, turn), 1.1);
-        assert_eq!(straight.paths.len(), turned.paths.len());
-        for (a, b) in straight.paths.iter().zip(&turned.paths) {
-            assert_eq!((a.kind, a.vertices.len()), (b.kind, b.vertices.len()));
-            for (p, q) in a.vertices.iter().zip(&b.vertices) {
-                let [x, y] = turn(p.point.x, p.point.y);
-                assert!(q.point.distance(Point::new(x, y)) < ROUNDING);
-                assert!((p.bulge - q.bulge).abs() < ROUNDING);
-            }
-        }
+        assert_moved(&straight.paths, &turned.paths, turn);
     }
 }
 
