@@ -197,7 +197,12 @@ pub fn profile() -> Profile {
             pole: Pole::Part(0.0),
             shape: Shape::Beam(Beam { min_length: 0.5, max_length: 2.0, root_compliance: 1.2 }),
         },
-        machine: Some(Machine { rapid_speed: 500.0, pierce_time: 0.1, hourly_rate: None }),
+        machine: Some(Machine {
+            rapid_speed: 500.0,
+            pierce_time: 0.1,
+            engrave_speed: None,
+            hourly_rate: None,
+        }),
         tool: None,
     }
 }

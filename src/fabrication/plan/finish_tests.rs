@@ -174,11 +174,27 @@ fn stretches_of_a_square_with_tabs_on_one_side() {
 fn every_piece_is_numbered_inside_its_outline() {
     let one = made([4, 3]);
     let options = CutOptions { engrave: Some("Dome-7".to_owned()), copies: 2, ..CutOptions::default() };
-    let plan = planned(&one, options);
+    let plan = planned(&one, options.clone());
     let report = plan.report.engraved.unwrap();
     assert_eq!((report.texts, report.too_small, report.named), (13, 0, true));
     let engravings = &plan.layout.engravings;
     assert_eq!(engravings.len(), 26);
+    // Strokes at 50 mm/s and the ways between them at 500 mm/s, on two copies, are all that engraving takes more.
+    assert!(!report.timed && plan.report.times.unwrap().engraving == 0.0);
+    let mut fast = profile();
+    fast.machine =
+        fast.machine.map(|machine| crate::profile::Machine { engrave_speed: Some(50.0), ..machine });
+    let timed = cut_plan(&one, &fast, &options).unwrap().report;
+    let mut seconds = 0.0;
+    let mut at: Option<Point> = None;
+    for stroke in engravings[..13].iter().flat_map(|engraving| &engraving.strokes) {
+        seconds += at.map_or(0.0, |at| at.distance(stroke[0]) / 500.0);
+        seconds += stroke.windows(2).map(|pair| pair[0].distance(pair[1]) / 50.0).sum::<f64>();
+        at = stroke.last().copied();
+    }
+    let (times, plain) = (timed.times.unwrap(), plan.report.times.unwrap());
+    assert!((times.engraving - 2.0 * seconds).abs() < 1e-9 && seconds > 1.0, "{times:?} {seconds}");
+    assert!((times.total() - plain.total() - 2.0 * seconds).abs() < 1e-9);
     let texts: Vec<&str> = engravings.iter().map(|engraving| engraving.label.text.as_str()).collect();
     assert!((0..12).all(|piece: usize| texts.iter().filter(|text| **text == piece.to_string()).count() == 2));
     assert_eq!(texts.iter().filter(|text| **text == "Dome-7").count(), 2);

@@ -1,6 +1,6 @@
 //! What a plan takes: lengths, travel, time, cost.
 
-use kurbo::Vec2;
+use kurbo::{Point, Vec2};
 
 use super::engrave::Engraved;
 use super::{CutOptions, CutOrder, LeadShape, Pierce};
@@ -21,6 +21,8 @@ pub struct Times {
     pub travel: f64,
     /// Piercing, once per cut and pass.
     pub piercing: f64,
+    /// Along and between the engraved strokes; 0 without any, and where the profile does not tell the speed.
+    pub engraving: f64,
     /// What an hour costs, in the profile's currency.
     pub hourly_rate: Option<f64>,
 }
@@ -28,7 +30,7 @@ pub struct Times {
 impl Times {
     /// Seconds in all.
     pub fn total(&self) -> f64 {
-        self.cutting + self.travel + self.piercing
+        self.cutting + self.travel + self.piercing + self.engraving
     }
 
     /// What that costs.
@@ -57,6 +59,8 @@ pub struct EngraveReport {
     pub texts: usize,
     /// Length of the strokes, millimetres.
     pub length: f64,
+    /// Whether that is in the time: whether the profile tells how fast it goes.
+    pub timed: bool,
     /// Pieces that are too small for their number.
     pub too_small: usize,
     /// Whether the part's name found room.
@@ -136,7 +140,7 @@ impl CutReport {
         options: &CutOptions,
     ) -> Self {
         let CutOptions { pierce, order, passes, .. } = *options;
-        let taken = Taken::new(paths, profile, passes);
+        let mut taken = Taken::new(paths, profile, passes);
         let dear = pierce == Pierce::MidSlit || order != CutOrder::Travel;
         let price = dear.then(|| taken.beside(&Taken::new(plain, profile, passes)));
         let leads = options.leads.map(|leads| {
@@ -150,10 +154,16 @@ impl CutReport {
             }
         });
         let engraved = finish.engraved.map(|engraved| {
-            let strokes = engraved.engravings.iter().flat_map(|engraving| &engraving.strokes);
+            let [length, between] = strokes(engraved);
+            let machine = profile.machine.as_ref();
+            let speeds = machine.and_then(|machine| Some((machine.engrave_speed?, machine.rapid_speed)));
+            if let (Some(times), Some((speed, rapid))) = (&mut taken.times, speeds) {
+                times.engraving = copies.len() as f64 * (length / speed + between / rapid);
+            }
             EngraveReport {
                 texts: engraved.engravings.len(),
-                length: strokes.flat_map(|s| s.windows(2)).map(|pair| pair[0].distance(pair[1])).sum(),
+                length,
+                timed: speeds.is_some(),
                 too_small: engraved.too_small,
                 named: engraved.named,
             }
@@ -179,6 +189,15 @@ impl CutReport {
     }
 }
 
+/// Length of the strokes on one part, and of the ways from one to the next, millimetres.
+fn strokes(engraved: &Engraved) -> [f64; 2] {
+    let strokes: Vec<&[Point]> =
+        engraved.engravings.iter().flat_map(|engraving| &engraving.strokes).map(Vec::as_slice).collect();
+    let along = strokes.iter().flat_map(|stroke| stroke.windows(2)).map(|pair| pair[0].distance(pair[1]));
+    let between = strokes.windows(2).filter_map(|pair| Some(pair[0].last()?.distance(*pair[1].first()?)));
+    [along.sum(), between.sum()]
+}
+
 /// What cuts take.
 struct Taken {
     cuts: usize,
@@ -199,10 +218,11 @@ impl Taken {
             .map(|path| path.vertices[0].point.distance(path.vertices[path.vertices.len() - 1].point))
             .sum();
         let times =
-            profile.machine.as_ref().map(|&Machine { rapid_speed, pierce_time, hourly_rate }| Times {
+            profile.machine.as_ref().map(|&Machine { rapid_speed, pierce_time, hourly_rate, .. }| Times {
                 cutting: length / profile.cut.speed,
                 travel: (travel.length + again * back) / rapid_speed,
                 piercing: pierce_time * (passes * cuts) as f64,
+                engraving: 0.0,
                 hourly_rate,
             });
         Self { cuts, length, travel, times }
@@ -299,6 +319,9 @@ fn times_line(times: &Times) -> String {
         duration(times.travel),
         duration(times.piercing),
     );
+    if times.engraving > 0.0 {
+        line += &format!(", engraving {}", duration(times.engraving));
+    }
     if let Some((cost, rate)) = times.cost().zip(times.hourly_rate) {
         line += &format!("; cost {cost:.2} at {rate:.2} an hour");
     }
@@ -334,14 +357,15 @@ fn tabs_line(tabs: &Tabs) -> String {
     )
 }
 
-fn engraved_line(EngraveReport { texts, length, too_small, named }: EngraveReport) -> String {
+fn engraved_line(EngraveReport { texts, length, timed, too_small, named }: EngraveReport) -> String {
+    let timed = if timed { "" } else { ", not in the time: the profile has no engrave_speed_mm_per_s" };
     let small = match too_small {
         0 => String::new(),
         count => format!("; {count} pieces are too small for their number"),
     };
     let name = if named { "" } else { "; no piece has room for the part's name" };
     format!(
-        "{texts} texts of {:.2} m to engrave on each part, on layer ENGRAVE, not in the time{small}{name}",
+        "{texts} texts of {:.2} m to engrave on each part, on layer ENGRAVE{timed}{small}{name}",
         1e-3 * length
     )
 }

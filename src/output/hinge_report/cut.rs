@@ -78,5 +78,6 @@ fn times(times: &Times) -> Value {
         "cutting": times.cutting,
         "travel": times.travel,
         "piercing": times.piercing,
+        "engraving": times.engraving,
     })
 }

@@ -291,6 +291,7 @@ fn cut(report: &CutReport, profile: &Profile) -> Vec<(&'static str, String)> {
             ("travel", seconds(times.travel)),
             ("piercing", seconds(times.piercing)),
         ]);
+        rows.extend((times.engraving > 0.0).then(|| ("engraving", seconds(times.engraving))));
         rows.extend(times.cost().map(|cost| ("cost", format!("{cost:.2}"))));
     }
     rows
