@@ -41,9 +41,6 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::pipeline::PipelineError;
-use cut_keys::CutKeys;
-use progress::Reporting;
-use results::Leaving;
 
 /// Flat sheets with cut patterns that morph into surfaces: design, hinges, files for laser and mill.
 #[derive(Debug, Parser)]
@@ -57,100 +54,19 @@ struct Arguments {
 enum Command {
     /// Do everything: from a job file to checked files for the laser or the mill, and the hinge placement report.
     #[command(after_help = help::MAKE)]
-    Make {
-        /// The job file (TOML).
-        job: PathBuf,
-        /// Folder for the results [default: out/NAME, NAME being the job file's].
-        #[arg(short, long)]
-        output: Option<PathBuf>,
-        /// Write the files even where a hinge fails; its verdict stays "fail".
-        #[arg(long)]
-        allow_failing_hinges: bool,
-        /// Do everything and tell its figures, but write nothing.
-        #[arg(long, conflicts_with = "output")]
-        dry_run: bool,
-        #[command(flatten)]
-        optimisation: Optimisation,
-        #[command(flatten)]
-        reporting: Reporting,
-    },
+    Make(make::Arguments),
     /// Design the pattern alone, or predict whether the target can be reached.
     #[command(after_help = help::DESIGN)]
-    Design {
-        /// The job file (TOML).
-        job: PathBuf,
-        /// File for the design [default: out/NAME.design.json, NAME being the job file's].
-        #[arg(short, long, conflicts_with = "feasibility_only")]
-        output: Option<PathBuf>,
-        /// Print what the target asks of the pattern, and design nothing: exit status 2 if it is out of reach.
-        #[arg(long)]
-        feasibility_only: bool,
-        /// Draw where the target asks for how much stretch, as FILE.svg or FILE.html.
-        #[arg(long, value_name = "FILE")]
-        map: Option<PathBuf>,
-        #[command(flatten)]
-        optimisation: Optimisation,
-        #[command(flatten)]
-        reporting: Reporting,
-    },
+    Design(design::Arguments),
     /// Check the hinges of a design against a profile: prints the worst ones.
     #[command(after_help = help::CHECK)]
-    Check {
-        /// A design.json, or a folder that holds one.
-        design: PathBuf,
-        /// A profile's name or file.
-        #[arg(short, long)]
-        profile: String,
-        /// How many hinges to print.
-        #[arg(short, long, default_value_t = 10)]
-        worst: usize,
-        /// Succeed even where a hinge fails.
-        #[arg(long)]
-        allow_failing_hinges: bool,
-    },
+    Check(check::Arguments),
     /// Lay out a design for a profile: from a design.json to checked files for the laser or the mill, and the hinge placement report.
     #[command(after_help = help::FABRICATE)]
-    Fabricate {
-        /// A design.json, or a folder that holds one.
-        design: PathBuf,
-        /// A profile's name or file.
-        #[arg(short, long)]
-        profile: String,
-        /// Folder for the results.
-        #[arg(short, long, required_unless_present = "dry_run")]
-        output: Option<PathBuf>,
-        /// Write the files even where a hinge fails; its verdict stays "fail".
-        #[arg(long)]
-        allow_failing_hinges: bool,
-        /// Do everything and tell its figures, but write nothing.
-        #[arg(long, conflicts_with = "output")]
-        dry_run: bool,
-        #[command(flatten)]
-        keys: CutKeys,
-        /// What mills the sheet: a machine's name or file [default: linuxcnc-xyzbc-trt].
-        #[arg(long)]
-        machine: Option<String>,
-        /// Begin the milling program with this run of setup.txt, as after a broken tool.
-        #[arg(long, value_name = "RUN", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
-        from_run: u32,
-        #[command(flatten)]
-        reporting: Reporting,
-    },
+    Fabricate(fabricate::Arguments),
     /// Read the cut files or the milling program of a folder back, cut them on paper and measure what is left.
     #[command(after_help = help::VERIFY)]
-    Verify {
-        /// A folder with design.json and cut.dxf, cut.svg, or with a milling program and part.stl.
-        folder: PathBuf,
-        /// A profile's name or file [default: the one that hinges.json of the folder names].
-        #[arg(short, long)]
-        profile: Option<String>,
-        /// A machine's name or file [default: the one that hinges.json of the folder names].
-        #[arg(long)]
-        machine: Option<String>,
-        /// List every fault, not only the first ones of each kind.
-        #[arg(long)]
-        all: bool,
-    },
+    Verify(verify::Arguments),
     /// Take over a design made elsewhere: pieces in two states become a design.json.
     #[command(after_help = help::IMPORT)]
     Import(import::Arguments),
@@ -162,14 +78,7 @@ enum Command {
     Snap(snap::Arguments),
     /// Make a test piece that tells the kerf and the ligaments that your machine really makes.
     #[command(after_help = help::COUPON)]
-    Coupon {
-        /// A profile's name or file.
-        #[arg(short, long)]
-        profile: String,
-        /// Folder for the files [default: out/coupon-PROFILE].
-        #[arg(short, long)]
-        output: Option<PathBuf>,
-    },
+    Coupon(coupon::Arguments),
     /// Write a job file to begin with, for a surface of yours.
     #[command(after_help = help::NEW)]
     New(new::Arguments),
@@ -212,13 +121,24 @@ struct Optimisation {
     ignore_memory: bool,
 }
 
+/// Whether the results are kept.
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct Keeping {
+    /// Write the files even where a hinge fails; its verdict stays "fail".
+    #[arg(long)]
+    allow_failing_hinges: bool,
+    /// Do everything and tell its figures, but write nothing.
+    #[arg(long, conflicts_with = "output")]
+    dry_run: bool,
+}
+
 impl Command {
     /// Whether the command tells everything in events.
     fn tells_events(&self) -> bool {
         match self {
-            Self::Make { reporting, .. }
-            | Self::Design { reporting, .. }
-            | Self::Fabricate { reporting, .. } => reporting.json,
+            Self::Make(make::Arguments { reporting, .. })
+            | Self::Design(design::Arguments { reporting, .. })
+            | Self::Fabricate(fabricate::Arguments { reporting, .. }) => reporting.json,
             _ => false,
         }
     }
@@ -288,35 +208,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 /// Hands a command its options.
 fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Make { job, output, allow_failing_hinges, dry_run, optimisation, reporting } => {
-            make::run(&job, output, [allow_failing_hinges, dry_run], &optimisation, &reporting)
-        }
-        Command::Design { job, output, feasibility_only, map, optimisation, reporting } => {
-            design::run(&design::Options { job, output, feasibility_only, map, optimisation, reporting })
-        }
-        Command::Check { design, profile, worst, allow_failing_hinges } => {
-            check::run(&design, &profile, worst, allow_failing_hinges)
-        }
-        Command::Fabricate {
-            design,
-            profile,
-            output,
-            allow_failing_hinges,
-            dry_run,
-            keys,
-            machine,
-            from_run,
-            reporting,
-        } => {
-            let mill = (machine.as_deref(), from_run as usize - 1);
-            let folder = output.unwrap_or_default();
-            let leaving = Leaving { folder: &folder, allow_failing: allow_failing_hinges, dry_run };
-            fabricate::run(&design, &profile, &leaving, &keys, mill, &reporting)
-        }
-        Command::Verify { folder, profile, machine, all } => {
-            verify::run(&folder, profile.as_deref(), machine.as_deref(), all)
-        }
-        Command::Coupon { profile, output } => coupon::run(&profile, output),
+        Command::Make(arguments) => make::run(&arguments),
+        Command::Design(arguments) => design::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Fabricate(arguments) => fabricate::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Coupon(arguments) => coupon::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Snap(arguments) => snap::run(&arguments),

@@ -13,20 +13,18 @@
 //! *target* frame (the mesh's own coordinates times the scale to millimetres). Units: millimetres, radians and
 //! `f64` everywhere inside; other units only at the rim, with a suffix in the key (`_deg`, `_mm_per_min`).
 //!
-//! Dependency rule: `geometry` and `solver` know nothing of ours; `kirigami` uses both; `import` uses `kirigami` and
-//! `geometry`; `fabrication` uses `kirigami`, `geometry` and `profile`; `snap` uses these and `solver`, `solid` all but the
-//! latter; `morph` uses `snap` and `solid`; `milling` uses `solid` and what it uses; `machine` takes the path that `milling` made; `output` writes what it is given and decides nothing; `verify` reads machine files back and holds them against
-//! design and profile; `pipeline` and `cli` use all. No arrow goes back.
+//! Dependency rule: every module uses only those listed above it here, so no arrow goes back (a test checks it). `solver`
+//! knows numbers only, `geometry` no kirigami, `kirigami` no machines; `output` writes what it is given and decides nothing;
+//! `verify` reads machine files back and holds them against design and profile; `pipeline` is the contents page of the main
+//! job, and `cli` alone opens output files and prints.
 
 pub mod toml_source;
 
-pub mod job;
-
 pub mod profile;
 
-pub mod geometry;
-
 pub mod solver;
+
+pub mod geometry;
 
 pub mod remesh;
 
@@ -51,6 +49,8 @@ pub mod output;
 pub mod verify;
 
 pub mod memory;
+
+pub mod job;
 
 pub mod pipeline;
 

@@ -89,5 +89,7 @@ fn the_command_leaves_files_and_says_how_to_measure() {
         2,
         &["the coupon measures", "larger piece"],
     );
+    let mill = ["coupon", "-p", "nylon-6-5mm", "-o", "d"];
+    program::refused(&folder, &mill, 1, &["nylon-6-5mm is for milling", "measure the tool"]);
     std::fs::remove_dir_all(folder).unwrap();
 }

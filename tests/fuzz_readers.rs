@@ -3,6 +3,7 @@
 mod fuzzing;
 mod peers;
 mod program;
+mod sound;
 mod squares;
 
 use std::collections::BTreeMap;
@@ -30,6 +31,7 @@ use kirimorph::profile::{self, Profile};
 use kirimorph::verify::{Files, ONE_PART, Wanted, verify};
 use nalgebra::{Unit, Vector3};
 use program::{Mesh, STEEL, job};
+use sound::assert_sound;
 use squares::Squares;
 
 /// The share of the time that one of the targets here has; the rest is for the command line.
@@ -60,13 +62,21 @@ fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
+/// Reads a mesh, which must be sound where it is not refused, in words for a terminal.
+fn read_soundly(bytes: &[u8], format: MeshFormat) {
+    match parse_mesh(bytes, format) {
+        Ok(mesh) => assert_sound(&mesh),
+        Err(error) => assert!(!error.to_string().contains(char::is_control), "{error}"),
+    }
+}
+
 #[test]
 fn obj() {
     let full = "mtllib a.mtl\no part\nv 0 0 0 1 0.5 0.5\nv 1 0 0\nv 0 1 0.5\nv 1 1 0 1.0\nvt 0 0\nvn 0 0 1\n\
                 g a b\nusemtl m\ns off\nf 1/1/1 2//1 3/1 \\\n  4\nl 1 2 -1\nf -1 -2 -3\n";
     let seeds = texts(&[full, &bump([3, 2]).obj()]);
     fuzz("obj", SHARE, &seeds, |bytes| {
-        let _ = parse_mesh(bytes, MeshFormat::Obj);
+        read_soundly(bytes, MeshFormat::Obj);
         let _ = polylines::parse(bytes);
     });
 }
@@ -75,7 +85,7 @@ fn obj() {
 fn stl() {
     let mesh = bump([3, 2]).triangles();
     let seeds = [mesh.stl_bytes(), mesh.stl_text().into_bytes()];
-    fuzz("stl", SHARE, &seeds, |bytes| drop(parse_mesh(bytes, MeshFormat::Stl)));
+    fuzz("stl", SHARE, &seeds, |bytes| read_soundly(bytes, MeshFormat::Stl));
 }
 
 /// A mesh as binary PLY with a list before and a value after the indices.
@@ -109,7 +119,7 @@ fn binary_ply(big: bool) -> Vec<u8> {
 #[test]
 fn ply() {
     let seeds = [bump([3, 2]).ply().into_bytes(), binary_ply(false), binary_ply(true)];
-    fuzz("ply", SHARE, &seeds, |bytes| drop(parse_mesh(bytes, MeshFormat::Ply)));
+    fuzz("ply", SHARE, &seeds, |bytes| read_soundly(bytes, MeshFormat::Ply));
 }
 
 /// What follows on the reading of a mesh: topology, triangles, flattening.

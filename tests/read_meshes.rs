@@ -1,4 +1,6 @@
-//! Meshes from files: hostile content, random damage, and meshes that others made.
+//! Meshes from files: hostile content, and meshes that others made.
+
+mod sound;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,6 +9,7 @@ use kirimorph::geometry::mesh::PolyMesh;
 use kirimorph::geometry::read::{MAX_FILE_BYTES, MeshFormat, ReadMeshError, parse_mesh, read_mesh};
 use kirimorph::geometry::topology::{Defect, check_disk, disk};
 use kirimorph::geometry::triangulate::triangulate;
+use sound::assert_sound;
 
 /// A folder of its own for the files of one test, removed at the end.
 struct Scratch(PathBuf);
@@ -68,104 +71,6 @@ fn binary_ply() -> Vec<u8> {
     bytes.extend(3_i32.to_be_bytes());
     bytes.extend([0, 0, 0, 1, 0, 2]);
     bytes
-}
-
-/// What the readers promise of every mesh.
-fn assert_sound(mesh: &PolyMesh) {
-    assert!(!mesh.faces.is_empty());
-    assert!(mesh.vertices.iter().all(|v| v.iter().all(|x| x.abs() <= 1e9)));
-    for face in &mesh.faces {
-        let mut vertices = face.clone();
-        vertices.sort_unstable();
-        vertices.dedup();
-        assert_eq!(vertices.len(), face.len());
-        assert!(face.len() >= 3 && face.iter().all(|&v| v < mesh.vertices.len()));
-    }
-}
-
-/// Pseudo-random numbers (xorshift64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 % bound as u64) as usize
-    }
-
-    /// Changes up to four places of `bytes`.
-    fn damage(&mut self, bytes: &mut Vec<u8>) {
-        const SPICE: &[&[u8]] = &[
-            b"-1",
-            b"nan",
-            b"1e999",
-            b"4294967295",
-            b"99999999999999999999",
-            b"\\\n",
-            b"\n",
-            b"\xff\xff\xff\xff",
-            b"\0",
-        ];
-        for _ in 0..=self.below(3) {
-            let at = self.below(bytes.len() + 1);
-            let end = (at + self.below(8)).min(bytes.len());
-            match self.below(6) {
-                0 => bytes.truncate(at),
-                1 => drop(bytes.drain(at..end)),
-                2 => drop(bytes.splice(at..at, SPICE[self.below(SPICE.len())].iter().copied())),
-                3 => drop(bytes.splice(at..end, SPICE[self.below(SPICE.len())].iter().copied())),
-                4 => bytes[at..end].iter_mut().for_each(|b| *b = self.below(256) as u8),
-                _ => bytes[at..end].iter_mut().for_each(|b| *b ^= 1 << self.below(8)),
-            }
-        }
-    }
-}
-
-#[test]
-fn random_damage_never_panics_and_what_is_read_is_sound() {
-    let samples = [
-        (MeshFormat::Obj, OBJ.as_bytes().to_vec()),
-        (MeshFormat::Stl, ASCII_STL.as_bytes().to_vec()),
-        (MeshFormat::Stl, binary_stl()),
-        (MeshFormat::Ply, ASCII_PLY.as_bytes().to_vec()),
-        (MeshFormat::Ply, binary_ply()),
-    ];
-    for (format, sample) in samples {
-        assert_sound(&parse_mesh(&sample, format).unwrap());
-        let mut random = Random(0x9e37_79b9_7f4a_7c15);
-        let (mut read, mut refused) = (0, 0);
-        for _ in 0..5000 {
-            let mut bytes = sample.clone();
-            random.damage(&mut bytes);
-            match parse_mesh(&bytes, format) {
-                Ok(mesh) => {
-                    read += 1;
-                    assert_sound(&mesh);
-                    // The next steps must not panic either, whatever they find.
-                    let _ = check_disk(&mesh).map_err(|error| error.to_string());
-                    let _ = triangulate(&mesh, 1.0).map_err(|error| error.to_string());
-                }
-                Err(error) => {
-                    refused += 1;
-                    assert!(!error.to_string().contains(char::is_control), "{error}");
-                }
-            }
-        }
-        // The damage is neither harmless nor always fatal, or the test would test little.
-        assert!(read > 100 && refused > 1000, "{format:?}: {read} read, {refused} refused");
-    }
-}
-
-#[test]
-fn random_bytes_never_panic() {
-    let mut random = Random(42);
-    for _ in 0..2000 {
-        let bytes: Vec<u8> = (0..random.below(300)).map(|_| random.below(256) as u8).collect();
-        for format in [MeshFormat::Obj, MeshFormat::Stl, MeshFormat::Ply] {
-            let _ = parse_mesh(&bytes, format);
-        }
-    }
 }
 
 #[test]

@@ -12,8 +12,25 @@ use crate::kirigami::repeated::without_repeated_corners;
 use crate::output::{design_json, hinge_report};
 use crate::profile::{self, Profile};
 
+/// The flags.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A design.json, or a folder that holds one.
+    design: PathBuf,
+    /// A profile's name or file.
+    #[arg(short, long)]
+    profile: String,
+    /// How many hinges to print.
+    #[arg(short, long, default_value_t = 10)]
+    worst: usize,
+    /// Succeed even where a hinge fails.
+    #[arg(long)]
+    allow_failing_hinges: bool,
+}
+
 /// Reads a design, lays it out for the profile, and prints its worst hinges.
-pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { design, profile, worst, allow_failing_hinges } = arguments;
     let file = design_file(design);
     let design = without_repeated(design_json::read(&file).map_err(Failure::bad_input)?);
     let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
@@ -23,11 +40,11 @@ pub fn run(design: &Path, profile: &str, worst: usize, allow_failing: bool) -> R
     drop(reporter);
     let fabrication = laid_out.map_err(|reason| {
         print("Cannot be laid out; the hinges as they would have to be:\n");
-        print(&paint::hinges(&hinge_report::table(&planned_rows(&design, &profile), worst)));
+        print(&paint::hinges(&hinge_report::table(&planned_rows(&design, &profile), *worst)));
         Failure::NotMakeable(format!("{}: {reason}", file.display()))
     })?;
-    print(&paint::hinges(&hinge_report::table(&fabrication.hinges, worst)));
-    refuse_failing(&fabrication.hinges, allow_failing)
+    print(&paint::hinges(&hinge_report::table(&fabrication.hinges, *worst)));
+    refuse_failing(&fabrication.hinges, *allow_failing_hinges)
 }
 
 /// Lays a design out; the error says why it cannot be cut from a flat sheet.

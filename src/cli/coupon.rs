@@ -8,16 +8,34 @@ use crate::fabrication::coupon::{Coupon, Measure, coupon};
 use crate::output::dxf::{self, DxfVersion};
 use crate::output::folder::OutputFolder;
 use crate::output::svg;
-use crate::profile::{self, Profile};
+use crate::profile::{self, Process, Profile};
 use crate::verify::{Files, faults, verify_coupon};
 
 /// What is written.
 const FILES: [&str; 3] = ["coupon.dxf", "coupon.svg", "coupon.txt"];
 
+/// The flags.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A profile's name or file.
+    #[arg(short, long)]
+    profile: String,
+    /// Folder for the files [default: out/coupon-PROFILE].
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
 /// Writes the coupon's files and prints how to measure it.
-pub fn run(profile: &str, folder: Option<PathBuf>) -> Result<(), Failure> {
-    let profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
-    let folder = folder.unwrap_or_else(|| Path::new("out").join(format!("coupon-{}", profile.name)));
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let profile = profile::load(&arguments.profile, Path::new(".")).map_err(Failure::bad_input)?;
+    if profile.process == Process::Milling {
+        return Err(Failure::BadInput(format!(
+            "the profile {} is for milling, and the coupon tells a laser's kerf: measure the tool, or take a profile for a laser",
+            profile.name
+        )));
+    }
+    let folder =
+        arguments.output.clone().unwrap_or_else(|| Path::new("out").join(format!("coupon-{}", profile.name)));
     let coupon = coupon(&profile).map_err(|error| Failure::NotMakeable(error.to_string()))?;
     let steps = steps(&coupon, &profile);
     let found = leave(&coupon, &profile, &steps, &folder)

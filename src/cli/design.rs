@@ -15,24 +15,28 @@ use crate::output::stretch_map;
 use crate::output::whole_file::write_whole;
 use crate::pipeline::{Designed, Prediction, placed_design, predict, source_hashes};
 
-/// What the user asks for.
-pub struct Options {
-    /// The job file.
-    pub job: PathBuf,
-    /// Where the design goes.
-    pub output: Option<PathBuf>,
-    /// Whether to stop after the prediction.
-    pub feasibility_only: bool,
-    /// Where the map goes: SVG, or HTML by its ending.
-    pub map: Option<PathBuf>,
-    /// How the optimisation is run.
-    pub optimisation: Optimisation,
-    /// What is told on the way.
+/// The flags.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The job file (TOML).
+    job: PathBuf,
+    /// File for the design [default: out/NAME.design.json, NAME being the job file's].
+    #[arg(short, long, conflicts_with = "feasibility_only")]
+    output: Option<PathBuf>,
+    /// Print what the target asks of the pattern, and design nothing: exit status 2 if it is out of reach.
+    #[arg(long)]
+    feasibility_only: bool,
+    /// Draw where the target asks for how much stretch, as FILE.svg or FILE.html.
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    #[command(flatten)]
+    optimisation: Optimisation,
+    #[command(flatten)]
     pub reporting: Reporting,
 }
 
 /// Predicts, where asked for, and designs.
-pub fn run(options: &Options) -> Result<(), Failure> {
+pub fn run(options: &Arguments) -> Result<(), Failure> {
     let job = read_job(&options.job).map_err(Failure::bad_input)?;
     let name = options.job.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let map = options.map.as_deref().map(|map| is_html(map).map(|html| (map, html))).transpose()?;

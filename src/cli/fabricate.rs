@@ -1,13 +1,13 @@
 //! `kirimorph fabricate`: from a design to the files of `make`.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::check::{design_file, lay_out, without_repeated};
 use super::cut_keys::CutKeys;
 use super::progress::{Reporting, watched};
 use super::results::{self, Extras, Leaving, Results, cut_lines, dry_run_lines, event, head, outcome};
-use super::{Failure, events, figures, milled, morphs, print, solids};
+use super::{Failure, Keeping, events, figures, milled, morphs, print, solids};
 use crate::fabrication::plan::CutOptions;
 use crate::fabrication::product::Product;
 use crate::job::{DEFAULT_MACHINE, cut_keys};
@@ -19,26 +19,47 @@ use crate::output::report::Seen;
 use crate::pipeline::{Clock, fingerprint};
 use crate::profile::{self, Process, Profile};
 
+/// The flags.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A design.json, or a folder that holds one.
+    design: PathBuf,
+    /// A profile's name or file.
+    #[arg(short, long)]
+    profile: String,
+    /// Folder for the results.
+    #[arg(short, long, required_unless_present = "dry_run")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    keeping: Keeping,
+    #[command(flatten)]
+    keys: CutKeys,
+    /// What mills the sheet: a machine's name or file [default: linuxcnc-xyzbc-trt].
+    #[arg(long)]
+    machine: Option<String>,
+    /// Begin the milling program with this run of setup.txt, as after a broken tool.
+    #[arg(long, value_name = "RUN", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    from_run: u32,
+    #[command(flatten)]
+    pub reporting: Reporting,
+}
+
 /// Lays a design out and writes the results, all or none.
-pub fn run(
-    design: &Path,
-    profile: &str,
-    leaving: &Leaving,
-    keys: &CutKeys,
-    (machine, first_run): (Option<&str>, usize),
-    reporting: &Reporting,
-) -> Result<(), Failure> {
-    let file = design_file(design);
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { profile, output, keeping, keys, machine, from_run, reporting, .. } = arguments;
+    let folder = output.clone().unwrap_or_default();
+    let leaving = Leaving { folder: &folder, keeping: *keeping };
+    let first_run = *from_run as usize - 1;
+    let file = design_file(&arguments.design);
     let bytes = design_json::read_bytes(&file).map_err(Failure::bad_input)?;
     let design = design_json::parse(&bytes)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
     let design = without_repeated(design);
     let mut profile = profile::load(profile, Path::new(".")).map_err(Failure::bad_input)?;
     let (dxf, options) = cut_keys(&keys.table(), &mut profile).map_err(Failure::bad_input)?;
-    let machine = machine_of(&mut profile, machine)?;
+    let machine = machine_of(&mut profile, machine.as_deref())?;
     leaving.check()?;
-    let order =
-        Order { profile: &profile, dxf, options, machine: machine.as_ref(), first_run, leaving: *leaving };
+    let order = Order { profile: &profile, dxf, options, machine: machine.as_ref(), first_run, leaving };
     let (product, origin, extras) = watched(reporting, |clock| {
         let product = clock
             .run("fabrication", |_| lay_out(&design, &profile).map(Product::Sheet))
@@ -48,9 +69,9 @@ pub fn run(
         Ok((product, origin, extras))
     })?;
     if reporting.json {
-        events::tell(&event(&product, &origin.quality, &extras, leaving));
+        events::tell(&event(&product, &origin.quality, &extras, &leaving));
     } else if !reporting.quiet {
-        print(&summary(&product, &origin, &extras, leaving));
+        print(&summary(&product, &origin, &extras, &leaving));
     }
     Ok(())
 }
@@ -73,7 +94,8 @@ impl<'a> Order<'a> {
         // A part is engraved with the name of its own job.
         let engrave = self.options.engrave.as_ref().map(|_| origin.job.clone());
         let options = CutOptions { engrave, ..self.options.clone() };
-        let mut extras = Extras::new(product, profile, &options, machine, leaving.allow_failing, clock)?;
+        let mut extras =
+            Extras::new(product, profile, &options, machine, leaving.keeping.allow_failing_hinges, clock)?;
         clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
         let Origin { job, target, hashes, quality, stages } = origin;
         let file = results::design_file(product, quality, stages, Provenance { job, target, hashes });
@@ -152,7 +174,7 @@ fn summary(product: &Product, origin: &Origin, extras: &Extras, leaving: &Leavin
     text += &thick.as_ref().map(solids::summary).unwrap_or_default();
     text += &morphs::summary(moving.as_ref(), hinges.len());
     text += &milled.map_or_else(|| cut_lines(plan.as_ref()), milled::lines);
-    if leaving.dry_run {
+    if leaving.keeping.dry_run {
         return text + &dry_run_lines(milled);
     }
     text + &format!("Files in {}\n", leaving.folder.display())

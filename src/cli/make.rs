@@ -8,7 +8,7 @@ use super::results::{
     Extras, Leaving, Results, cut_lines, design_file, dry_run_lines, event, head, no_cut_file, outcome,
 };
 use super::table::labelled;
-use super::{Failure, Optimisation, events, figures, map, milled, morphs, print, solids};
+use super::{Failure, Keeping, Optimisation, events, figures, map, milled, morphs, print, solids};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
 use crate::job::{Fabrication, Job, Kind, read_job};
@@ -22,18 +22,29 @@ use crate::pipeline::mill::Milled;
 use crate::pipeline::{Clock, Made, limits, make, source_hashes};
 use crate::snap::assess::{Snap, assess};
 
-/// Runs the job and writes its results, all or none.
-pub fn run(
-    job_file: &Path,
+/// The flags.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The job file (TOML).
+    job: PathBuf,
+    /// Folder for the results [default: out/NAME, NAME being the job file's].
+    #[arg(short, long)]
     output: Option<PathBuf>,
-    [allow_failing, dry_run]: [bool; 2],
-    optimisation: &Optimisation,
-    reporting: &Reporting,
-) -> Result<(), Failure> {
+    #[command(flatten)]
+    keeping: Keeping,
+    #[command(flatten)]
+    optimisation: Optimisation,
+    #[command(flatten)]
+    pub reporting: Reporting,
+}
+
+/// Runs the job and writes its results, all or none.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { job: job_file, output, keeping, optimisation, reporting } = arguments;
     let job = read_job(job_file).map_err(Failure::bad_input)?;
     let name = job_file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let folder = output.unwrap_or_else(|| Path::new("out").join(&name));
-    let leaving = Leaving { folder: &folder, allow_failing, dry_run };
+    let folder = output.clone().unwrap_or_else(|| Path::new("out").join(&name));
+    let leaving = Leaving { folder: &folder, keeping: *keeping };
     leaving.check()?;
     let input = Input { job: &job, file: job_file, name: &name };
     let unused_partial = !optimisation.resume && folder.join(partial_json::FILE_NAME).exists();
@@ -61,7 +72,8 @@ fn finish<'a>(
 ) -> Result<Extras<'a>, Failure> {
     let (job, product) = (input.job, &made.product);
     let Fabrication { profile, dxf, cut, machine } = &job.fabrication;
-    let mut extras = Extras::new(product, profile, cut, machine.as_ref(), leaving.allow_failing, clock)?;
+    let mut extras =
+        Extras::new(product, profile, cut, machine.as_ref(), leaving.keeping.allow_failing_hinges, clock)?;
     extras.snap = snapping(made, job, clock);
     let map = map::figure(job, clock);
     let (target, hashes) = (input.target_name(), source_hashes(job, input.file));
@@ -148,7 +160,7 @@ fn summary(made: &Made, extras: &Extras, input: &Input, leaving: &Leaving, unuse
     text += &thick.as_ref().map(solids::summary).unwrap_or_default();
     text += &morphs::summary(moving.as_ref(), hinges.len());
     text += &snap_lines(extras.snap.as_ref(), input, leaving);
-    if leaving.dry_run {
+    if leaving.keeping.dry_run {
         return text + &dry_run_lines(milled);
     }
     if unused_partial {

@@ -12,7 +12,7 @@ use std::path::Path;
 use self::files::write_timings;
 use super::check::refuse_failing;
 use super::morphs::{self, Moving};
-use super::{Failure, solids};
+use super::{Failure, Keeping, solids};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::Verdict;
 use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
@@ -163,10 +163,8 @@ impl<'a> Extras<'a> {
 pub struct Leaving<'a> {
     /// Where they go.
     pub folder: &'a Path,
-    /// Leave files whose hinges fail, where their verdict says so.
-    pub allow_failing: bool,
-    /// Say what would be made, and write nothing.
-    pub dry_run: bool,
+    /// Whether they do.
+    pub keeping: Keeping,
 }
 
 impl Leaving<'_> {
@@ -175,17 +173,21 @@ impl Leaving<'_> {
     /// # Errors
     /// A place that is no folder of results.
     pub fn check(&self) -> Result<(), Failure> {
-        if self.dry_run { Ok(()) } else { OutputFolder::check(self.folder).map_err(Failure::bad_input) }
+        if self.keeping.dry_run {
+            Ok(())
+        } else {
+            OutputFolder::check(self.folder).map_err(Failure::bad_input)
+        }
     }
 
     /// The folder that holds the files.
     pub fn folder(&self) -> Option<&Path> {
-        (!self.dry_run).then_some(self.folder)
+        (!self.keeping.dry_run).then_some(self.folder)
     }
 
     /// The names of the files in it.
     pub fn files(&self, product: &Product, extras: &Extras) -> Vec<String> {
-        if self.dry_run { Vec::new() } else { told::file_names(product, extras) }
+        if self.keeping.dry_run { Vec::new() } else { told::file_names(product, extras) }
     }
 }
 
@@ -198,7 +200,7 @@ impl Results<'_> {
     /// # Errors
     /// What a writer refuses; machine files that are not what the design asks for.
     pub fn leave(&self, leaving: &Leaving, clock: &mut Clock) -> Result<(), Failure> {
-        let Leaving { folder, allow_failing, dry_run } = *leaving;
+        let Leaving { folder, keeping: Keeping { allow_failing_hinges, dry_run } } = *leaving;
         if dry_run {
             return Ok(());
         }
@@ -212,8 +214,9 @@ impl Results<'_> {
             .map_err(refused)?;
         let Extras { plan, milled, .. } = self.extras;
         if let (Product::Sheet(sheet), Some(plan), None) = (self.product, plan, milled) {
-            let faults =
-                clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
+            let faults = clock
+                .run("verify", |_| self.verify(sheet, plan, &out, allow_failing_hinges))
+                .map_err(refused)?;
             if !faults.is_empty() {
                 return Err(Failure::NotMakeable(format!(
                     "the machine files are not what the design asks for, so none was left:\n{}This should not happen: \

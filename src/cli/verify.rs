@@ -1,6 +1,6 @@
 //! `kirimorph verify`: the cut files of a folder, read back and measured.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kurbo::{Point, Vec2};
 use serde::Deserialize;
@@ -18,8 +18,25 @@ use crate::verify::{self, Files, ONE_PART, Wanted};
 /// How many faults of one check are printed, unless all are asked for.
 const SHOWN: usize = 10;
 
+/// The flags.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A folder with design.json and cut.dxf, cut.svg, or with a milling program and part.stl.
+    folder: PathBuf,
+    /// A profile's name or file [default: the one that hinges.json of the folder names].
+    #[arg(short, long)]
+    profile: Option<String>,
+    /// A machine's name or file [default: the one that hinges.json of the folder names].
+    #[arg(long)]
+    machine: Option<String>,
+    /// List every fault, not only the first ones of each kind.
+    #[arg(long)]
+    all: bool,
+}
+
 /// Prints what was measured; an error names what is wrong.
-pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: bool) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments { folder, profile, machine, all } = arguments;
     let mut reporter = Reporter::new(&Reporting::default());
     reporter.say("verify: reading the files");
     let file = folder.join("design.json");
@@ -30,13 +47,13 @@ pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: boo
         let says = "neither state of this design is flat, so it has no cut files to verify";
         return Err(Failure::BadInput(format!("{}: {says}", file.display())));
     }
-    let Applied { profile, copies, tabs, mill } = applied(folder, profile)?;
-    let shown = if all { usize::MAX } else { SHOWN };
+    let Applied { profile, copies, tabs, mill } = applied(folder, profile.as_deref())?;
+    let shown = if *all { usize::MAX } else { SHOWN };
     let hash = fingerprint(&bytes);
     if let Some(told) = &mill {
         reporter.say("verify: milling on paper");
         let sheet = Sheet { design: &design, hash: &hash, profile: &profile, copies: &copies };
-        let (table, findings) = verify_mill::measured(folder, told, machine, &sheet)?;
+        let (table, findings) = verify_mill::measured(folder, told, machine.as_deref(), &sheet)?;
         drop(reporter);
         print(&table);
         let list = verify_mill::list(&findings, shown);

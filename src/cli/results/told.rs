@@ -58,7 +58,7 @@ pub fn event(product: &Product, quality: &Quality, extras: &Extras, leaving: &Le
     json!({
         "event": "result",
         "status": 0,
-        "dry_run": leaving.dry_run,
+        "dry_run": leaving.keeping.dry_run,
         "folder": leaving.folder(),
         "files": leaving.files(product, extras),
         "pieces": product.design().pieces.len(),
