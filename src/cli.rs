@@ -10,6 +10,7 @@ mod design;
 mod events;
 mod export;
 mod fabricate;
+mod figures;
 mod import;
 mod interrupt;
 mod make;
@@ -39,6 +40,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 
+use crate::pipeline::PipelineError;
 use cut_keys::CutKeys;
 use progress::Reporting;
 use results::Leaving;
@@ -244,6 +246,12 @@ impl Failure {
             Self::NotMakeable(message) => (2, "refused", message),
             Self::Interrupted(message) => (2, "interrupted", message),
         }
+    }
+}
+
+impl From<PipelineError> for Failure {
+    fn from(error: PipelineError) -> Self {
+        if error.is_bad_input() { Self::bad_input(error) } else { Self::NotMakeable(error.to_string()) }
     }
 }
 

@@ -15,17 +15,21 @@ use crate::kirigami::cover::{Boundary, PieceSize};
 pub use crate::kirigami::pattern::Opening;
 pub use crate::kirigami::pattern_mesh::Reading;
 use crate::machine::Machine;
-use crate::machine::profile::MachineFileError;
 use crate::output::dxf::DxfVersion;
-use crate::profile::{Profile, ProfileError};
-use crate::toml_source::{TomlError, read_text};
+use crate::profile::Profile;
+use crate::toml_source::{ShelfError, TomlError, read_text};
 
 mod bistable;
 
 mod cut;
 
+mod fabrication;
+
 mod guide;
+
 mod machine;
+
+mod pattern;
 
 mod read;
 
@@ -257,7 +261,7 @@ pub enum JobError {
         /// The job file.
         file: String,
         /// What is wrong with the machine.
-        source: MachineFileError,
+        source: ShelfError,
     },
     /// The profile that it names cannot be read or breaks a rule.
     #[error("{file}: the profile that it names cannot be used\n{source}")]
@@ -265,7 +269,7 @@ pub enum JobError {
         /// The job file.
         file: String,
         /// What is wrong with the profile.
-        source: ProfileError,
+        source: ShelfError,
     },
 }
 

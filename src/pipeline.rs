@@ -1,5 +1,7 @@
 //! The main job, stage by stage: the table of contents in code.
 
+mod aims;
+
 mod bistable;
 
 mod clock;
@@ -43,8 +45,9 @@ use crate::output::design_json::Stage;
 use crate::output::whole_file::read_regular;
 use crate::profile::Profile;
 use crate::solver::Report;
+use aims::Aims;
 use guides::read_guides;
-use stage1::{Aims, Begun, begin};
+use stage1::{Begun, begin};
 use surfaces::read_targets;
 
 pub use clock::{Clock, Event, Progress, Timings, Watch};

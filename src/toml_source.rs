@@ -17,7 +17,7 @@ use toml::de::{DeTable, DeValue};
 
 mod shelf;
 
-pub use shelf::{Shelf, TomlFile};
+pub use shelf::{Shelf, ShelfError, TomlFile};
 
 /// Longest TOML file that is read, bytes. A profile has 2 kB; a mesh given by mistake is told at once.
 const MAX_BYTES: u64 = 1 << 20;
@@ -110,11 +110,15 @@ impl fmt::Display for Limits {
 /// Reads a text file.
 ///
 /// # Errors
-/// The file is missing, a directory, longer than 1 MiB or not UTF-8.
+/// The file is missing, a directory, a device or pipe, which may never end, longer than 1 MiB or not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, TomlError> {
     let read_error = |source| TomlError::Read { path: path.to_owned(), source };
-    if std::fs::metadata(path).map_err(read_error)?.is_dir() {
+    let kind = std::fs::metadata(path).map_err(read_error)?.file_type();
+    if kind.is_dir() {
         return Err(TomlError::Directory { path: path.to_owned() });
+    }
+    if !kind.is_file() {
+        return Err(read_error(std::io::Error::other("it is a device or pipe; name a file")));
     }
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path).map_err(read_error)?;
@@ -137,6 +141,9 @@ pub struct TomlSource<'a> {
     /// The whole text.
     pub text: &'a str,
 }
+
+/// Two values; a list, because a list that is too long fits an array of two without a word.
+pub type Pair<T> = Spanned<Vec<Spanned<T>>>;
 
 impl<'a> TomlSource<'a> {
     /// Reads the structure `T`.
@@ -200,22 +207,65 @@ impl<'a> TomlSource<'a> {
         value.map(|value| self.number(value, limits)).transpose()
     }
 
+    /// The whole number, if it is within its limits.
+    ///
+    /// # Errors
+    /// As [`TomlSource::number`].
+    pub fn count(&self, value: &Spanned<i64>, limits: &Limits) -> Result<usize, TomlError> {
+        // Beyond 2^53 the conversion rounds, far outside of the limits.
+        Ok(self.number(&Spanned::new(value.span(), *value.get_ref() as f64), limits)? as usize)
+    }
+
+    /// The two entries of a list.
+    ///
+    /// # Errors
+    /// It has more or fewer.
+    pub fn pair<'v, T>(&self, value: &'v Pair<T>) -> Result<[&'v Spanned<T>; 2], TomlError> {
+        if let [first, second] = value.get_ref().as_slice() {
+            return Ok([first, second]);
+        }
+        let values = match value.get_ref().len() {
+            1 => "1 value".to_owned(),
+            number => format!("{number} values"),
+        };
+        let what = format!("{values}: allowed are two");
+        Err(self.value_error(value.span(), &what, "one for each direction of the sheet"))
+    }
+
+    /// The meaning of one of a few words; `help` says what they decide.
+    ///
+    /// # Errors
+    /// It is none of them; the message lists them.
+    pub fn word<T: Copy>(
+        &self,
+        value: &Spanned<String>,
+        words: &[(&str, T)],
+        help: &str,
+    ) -> Result<T, TomlError> {
+        if let Some((_, meaning)) = words.iter().find(|(word, _)| word == value.get_ref()) {
+            return Ok(*meaning);
+        }
+        let allowed: Vec<String> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+        Err(self.value_error(value.span(), &format!("not known: allowed is {}", allowed.join(", ")), help))
+    }
+
+    /// As [`TomlSource::word`], for a key that may be absent.
+    ///
+    /// # Errors
+    /// As [`TomlSource::word`].
+    pub fn optional_word<T: Copy>(
+        &self,
+        value: Option<&Spanned<String>>,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>, TomlError> {
+        value.map(|value| self.word(value, words, "")).transpose()
+    }
+
     /// An error "`key` = value is ..." at a value.
     pub fn value_error(&self, span: Range<usize>, what: &str, help: impl Into<String>) -> TomlError {
         let written = self.text.get(span.clone()).unwrap_or_default();
         let message = format!("{} = {} is {what}", self.key_at(span.start), shortened(written));
         self.error(span, message, help)
-    }
-
-    /// The bytes of the key at a dotted path of bare keys (`pattern.opening`), if the text has it.
-    pub fn key_span(&self, path: &str) -> Option<Range<usize>> {
-        let root = DeTable::parse(self.text).ok()?;
-        let (parents, last) = path.rsplit_once('.').map_or((None, path), |(head, tail)| (Some(head), tail));
-        let mut table = root.get_ref();
-        for name in parents.into_iter().flat_map(|parents| parents.split('.')) {
-            table = table.get(name)?.get_ref().as_table()?;
-        }
-        table.get_key_value(last).map(|(key, _)| key.span())
     }
 
     /// The dotted path of the key whose name or value stands at byte `position`; empty if none does.

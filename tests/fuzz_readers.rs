@@ -178,6 +178,7 @@ fn designs() {
     fuzz("designs", SHARE, &[made("design.json")], |bytes| {
         design_json::parse_report(bytes);
         let Ok(design) = design_json::parse(bytes).map_err(|error| error.to_string()) else { return };
+        assert_eq!(design_json::check(&design), Ok(()));
         for state in [State::Closed, State::Open] {
             exchange::write_obj(&design, state, Vec::new()).unwrap();
         }

@@ -85,6 +85,42 @@ fn ligaments_stand_off_their_hinges_by_their_poles_and_turn_about_them() {
 }
 
 #[test]
+fn sheets_that_are_cut_open_carry_their_poles_away_from_the_windows_that_close() {
+    let own = profile("steel-304-0.5mm", &[("ligament", "pole_offset = \"ideal-arc\"")]);
+    let folder = peers::fresh_folder("gaps-open-pole");
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let job = fs::read_to_string(samples.join("closing.toml")).unwrap().replace("steel-304-0.5mm", "own.toml");
+    fs::copy(samples.join("closing.obj"), folder.join("closing.obj")).unwrap();
+    fs::write(folder.join("own.toml"), own).unwrap();
+    fs::write(folder.join("job.toml"), job).unwrap();
+    let out = made(&folder, "job.toml", "out");
+    // The two hinge points of every closed corner stand apart by a ligament, a groove and both poles.
+    let design = design(&out);
+    let rows = hinges(&out);
+    let mut corners: BTreeMap<usize, Vec<([f64; 3], f64)>> = BTreeMap::new();
+    for (row, hinge) in rows.iter().zip(design["hinges"].as_array().unwrap()) {
+        let pole = number(row, "pole_offset_mm");
+        assert!(pole > 0.09 && number(row, "centre_offset_mm") < 1e-3, "{row}");
+        let index = |key: &str| hinge[key][0].as_u64().unwrap() as usize;
+        let piece = &design["pieces"][index("pieces")];
+        let corner = piece["corners"][index("vertices")].as_u64().unwrap() as usize;
+        corners.entry(corner).or_default().push((point(&piece["closed"][index("vertices")]), pole));
+    }
+    let pairs: Vec<_> = corners.values().filter(|hinges| hinges.len() == 2).collect();
+    assert!(pairs.len() > 400, "{}", pairs.len());
+    for pair in pairs {
+        let apart = (0..3).map(|i| (pair[0].0[i] - pair[1].0[i]).powi(2)).sum::<f64>().sqrt();
+        let needed = 0.55 + pair[0].1 + pair[1].1;
+        // Beside a lift out of the sheet, which parts them further.
+        assert!(apart > needed - 2e-3 && apart < 1.2 * needed, "{apart} {needed}");
+    }
+    let verified = run(&folder, ["verify", "out", "--profile", "own.toml"]);
+    assert_eq!(verified.status, 0, "{}", verified.stderr);
+    let verified = run(&folder, ["verify", "out", "--profile", "steel-304-0.5mm"]);
+    assert!(verified.status == 2 && verified.stderr.contains("off the hinge point"), "{}", verified.stderr);
+}
+
+#[test]
 fn milled_gaps_have_room_for_two_axes_that_tilt_apart() {
     let own = profile("nylon-6-5mm", &[]).replace("strain_limit = 0.37", "strain_limit = 0.49");
     let own = own.replace("extra_length_mm = 0.0", "extra_length_mm = 1.5");

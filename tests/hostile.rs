@@ -226,6 +226,13 @@ mod unix {
         std::fs::write(folder.join("zero.toml"), job_on("zero.obj", "")).unwrap();
         let made = run(&folder, ["make", "zero.toml"]);
         assert!(made.status == 1 && made.stderr.contains("device or pipe"), "{made:?}");
+        // A pipe into which nobody writes.
+        assert!(
+            std::process::Command::new("mkfifo").arg(folder.join("pipe.toml")).status().unwrap().success()
+        );
+        for command in ["make", "design", "check"] {
+            refused(&folder, &[command, "pipe.toml"], 1, &["pipe.toml", "device or pipe"]);
+        }
         let out = program::made(&folder, "job.toml", "out");
         for name in ["cut.dxf", "cut.svg", "hinges.json", "design.json"] {
             let file = out.join(name);

@@ -2,30 +2,23 @@
 
 mod peers;
 mod program;
+mod recomputed;
 mod squares;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use kirimorph::kirigami::improve::Slits;
-use program::{FILES, Mesh, STEEL, asked, coordinates, job, listing, number, refused, run};
+use program::{
+    FILES, Mesh, STEEL, asked, coordinates, job, json_file, listing, number, refused, run, succeeds,
+};
+use recomputed::check_recomputed;
 use serde_json::{Value, json};
 use squares::{GRID, PAIR, Squares, moved, squares, write_pair};
 
-/// Runs the program, which must succeed, and returns what it prints on both streams.
-fn succeeds(folder: &Path, arguments: &[&str]) -> String {
-    let run = run(folder, arguments);
-    assert_eq!(run.status, 0, "{arguments:?}: {}", run.stderr);
-    run.stdout + &run.stderr
-}
-
 fn import_pair(folder: &Path, more: &[&str]) -> Value {
     succeeds(folder, &[&PAIR, more].concat());
-    read(&folder.join("d.json"))
-}
-
-fn read(file: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap()
+    json_file(&folder.join("d.json"))
 }
 
 /// The hinges by pieces and vertices, in one order whatever the file's.
@@ -112,25 +105,6 @@ fn turn() -> impl Fn([f64; 3]) -> [f64; 3] {
     }
 }
 
-/// What a design says about itself, recomputed by an independent program; and the schema.
-fn check_recomputed(file: &Path) {
-    let Some(found) = asked(peers::oracle("design_check.py"), &[&file]) else { return };
-    for (key, limit) in [
-        ("length_difference", 1e-9),
-        ("planarity_difference", 1e-12),
-        ("mean_edge_difference", 1e-10),
-        ("apart_mm", 0.0),
-        ("point_mm", 0.0),
-        // Near half a turn the axis is known to the square root of rounding.
-        ("rotation_difference", 1e-6),
-    ] {
-        assert!(number(&found, key) <= limit, "{}: {key}: {found}", file.display());
-    }
-    let schema = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/design.schema.json");
-    let faults = asked(peers::oracle("schema_check.py"), &[&schema, &file]).unwrap();
-    assert_eq!(faults, json!([[]]), "{}", file.display());
-}
-
 #[test]
 fn an_imported_sheet_is_cut_and_the_report_is_honest_about_its_hinges() {
     let folder = peers::fresh_folder("import-cut");
@@ -143,7 +117,7 @@ fn an_imported_sheet_is_cut_and_the_report_is_honest_about_its_hinges() {
     names.sort();
     assert_eq!(names, FILES);
     let offsets = |folder: &str| -> Vec<f64> {
-        let report = read(Path::new(folder));
+        let report = json_file(Path::new(folder));
         report["hinges"].as_array().unwrap().iter().map(|row| number(row, "centre_offset_mm")).collect()
     };
     let inner = |offsets: &[f64]| offsets.iter().copied().fold(0.0, f64::max);
@@ -155,7 +129,7 @@ fn an_imported_sheet_is_cut_and_the_report_is_honest_about_its_hinges() {
     assert!(text.contains("improved"), "{text}");
     succeeds(&folder, &["fabricate", "d.json", "-p", "steel-304-0.5mm", "-o", "cut"]);
     assert!(inner(&offsets(&file)) < 1e-3, "{}", inner(&offsets(&file)));
-    let report = &read(&folder.join("cut/design.json"))["report"];
+    let report = &json_file(&folder.join("cut/design.json"))["report"];
     assert!(number(report, "max_length_error") < 1e-12);
     check_recomputed(&folder.join("cut/design.json"));
     let [dxf, hinges, design] =
@@ -173,7 +147,7 @@ fn own_design(folder: &Path) -> Value {
     std::fs::write(folder.join("bump.obj"), mesh.obj()).unwrap();
     std::fs::write(folder.join("job.toml"), job("open = \"bump.obj\"", "pieces = [8, 8]", STEEL)).unwrap();
     succeeds(folder, &["design", "job.toml", "-o", "own.json"]);
-    read(&folder.join("own.json"))
+    json_file(&folder.join("own.json"))
 }
 
 #[test]
@@ -187,7 +161,7 @@ fn exported_designs_come_back_the_same() {
     for source in sources {
         let arguments = [&["import"], source, &["-o", "back.json", "--gap-mm", &gap]].concat();
         succeeds(&folder, &arguments);
-        let back = read(&folder.join("back.json"));
+        let back = json_file(&folder.join("back.json"));
         for (piece, other) in own["pieces"].as_array().unwrap().iter().zip(back["pieces"].as_array().unwrap())
         {
             // To the last bit: the same numbers in the same digits.
@@ -214,7 +188,7 @@ fn exported_designs_come_back_the_same() {
     }
     // Fabricating our own design keeps what was said about its target.
     succeeds(&folder, &["fabricate", "own.json", "-p", "steel-304-0.5mm", "-o", "cut"]);
-    let cut = read(&folder.join("cut/design.json"));
+    let cut = json_file(&folder.join("cut/design.json"));
     for key in ["distance_max_mm", "coverage_max_mm", "asked_edge_mm", "stages", "job", "target"] {
         assert_eq!(own["report"][key], cut["report"][key], "{key}");
     }
@@ -307,7 +281,7 @@ fn pieces_and_motions_are_taken_over() {
     }
     succeeds(&folder, &["import", "--pieces", "p.json", "-o", "d.json"]);
     write_pair(&folder, &design);
-    let by_pieces = read(&folder.join("d.json"));
+    let by_pieces = json_file(&folder.join("d.json"));
     let by_pair = import_pair(&folder, &[]);
     let (a, b) = (coordinates(&by_pieces), coordinates(&by_pair));
     assert!(program::largest_difference(&a, &b) < 1e-12);
@@ -350,123 +324,7 @@ fn a_piece_listed_the_other_way_round_is_turned() {
     write_pair(&folder, &design);
     let text = succeeds(&folder, &PAIR);
     assert!(text.contains("warning: piece 5: listed the other way round"), "{text}");
-    assert_eq!(read(&folder.join("d.json"))["hinges"].as_array().unwrap().len(), Squares::hinges(GRID));
+    assert_eq!(json_file(&folder.join("d.json"))["hinges"].as_array().unwrap().len(), Squares::hinges(GRID));
     succeeds(&folder, &["check", "d.json", "-p", "steel-304-0.5mm"]);
     check_recomputed(&folder.join("d.json"));
-}
-
-/// Name, arguments of import, pieces, hinges, and what the flat state is.
-type Given = (&'static str, Vec<String>, usize, usize, Value);
-
-/// The given designs.
-fn given() -> Option<Vec<Given>> {
-    let file = |name: &str| Some(peers::shared(&format!("pairs/{name}"))?.display().to_string());
-    let (contracted, deployed, sphere) = (
-        file("quad_hypar_w4_h4_i3_f1_r0_contracted.obj")?,
-        file("quad_hypar_w4_h4_i3_f1_r0_deployed.obj")?,
-        file("pykirigami_sphere-to-saddle")?,
-    );
-    let pair = |a: &String, b: &String| vec!["--closed".into(), a.clone(), "--open".into(), b.clone()];
-    Some(vec![
-        ("hypar", pair(&contracted, &deployed), 64, 112, json!("closed")),
-        ("hypar the other way", pair(&deployed, &contracted), 64, 112, json!("open")),
-        ("sphere", vec!["--pykirigami".into(), sphere], 100, 180, Value::Null),
-    ])
-}
-
-#[test]
-fn the_given_designs_become_rigid() {
-    let folder = peers::fresh_folder("import-given");
-    let Some(given) = given() else { return };
-    for (name, source, pieces, hinges, sheet) in given {
-        let import = |more: &[&str]| {
-            let mut arguments = vec!["import", "-o", "d.json", "--size-mm", "300"];
-            arguments.extend(source.iter().map(String::as_str).chain(more.iter().copied()));
-            let text = succeeds(&folder, &arguments);
-            (text, read(&folder.join("d.json")))
-        };
-        let (text, before) = import(&[]);
-        assert_eq!(text.contains("nearly coincide"), name != "sphere", "{text}");
-        assert_eq!(before["pieces"].as_array().unwrap().len(), pieces);
-        assert_eq!(before["hinges"].as_array().unwrap().len(), hinges);
-        assert_eq!(before["sheet_state"], sheet, "{name}");
-        check_recomputed(&folder.join("d.json"));
-        let flags: Vec<&str> = match name {
-            "sphere" => vec!["--pykirigami", &source[1]],
-            _ => vec!["--obj", &source[1], &source[3]],
-        };
-        let flags: Vec<&dyn AsRef<std::ffi::OsStr>> =
-            flags.iter().map(|flag| flag as &dyn AsRef<std::ffi::OsStr>).collect();
-        if let Some(found) = asked(peers::oracle("rigid_fit.py"), &flags) {
-            assert_eq!((&found["pieces"], &found["hinges"]), (&json!(pieces), &json!(hinges)), "{name}");
-            for key in ["rigid_residual", "max_length_error"] {
-                // The frame and the scale round; lengths of a millionth of a side most.
-                let (a, b) = (number(&found, key), number(&before["report"], key));
-                assert!((a - b).abs() <= 1e-6 * a, "{name}: {key}: {a:e} and {b:e}");
-            }
-            let worst = format!("piece {}, ", found["worst_piece"]);
-            assert!(text.contains(&worst), "{name}: {worst} is not in {text}");
-        }
-        let (_, after) = import(&["--improve"]);
-        for key in ["max_length_error", "rigid_residual"] {
-            let [old, new] = [&before, &after].map(|design| number(&design["report"], key));
-            assert!(new < 1e-6 * old && new < 1e-8, "{name}: {key} from {old:e} to {new:e}");
-        }
-        assert!(number(&after["report"], "e_isom") < 1e-26, "{name}");
-        // Nothing else changed: a ten thousandth of the size.
-        let moved = program::largest_difference(&coordinates(&before), &coordinates(&after));
-        assert!(moved < 0.03, "{name}: {moved} mm");
-        check_recomputed(&folder.join("d.json"));
-    }
-}
-
-#[test]
-fn the_given_flat_design_is_cut() {
-    let folder = peers::fresh_folder("import-given-cut");
-    let Some(given) = given() else { return };
-    let (_, source, ..) = &given[0];
-    let mut arguments =
-        vec!["import", "-o", "d.json", "--size-mm", "300", "--improve", "-p", "steel-304-0.5mm"];
-    arguments.extend(source.iter().map(String::as_str));
-    succeeds(&folder, &arguments);
-    let flags = ["fabricate", "d.json", "-p", "steel-304-0.5mm", "-o", "cut", "--allow-failing-hinges"];
-    let text = succeeds(&folder, &flags);
-    assert!(text.contains("112"), "{text}");
-    check_recomputed(&folder.join("cut/design.json"));
-    // The other one has no flat state: said so, with the hinges as they would have to be.
-    let mut arguments = vec!["import", "-o", "s.json", "--size-mm", "300"];
-    arguments.extend(given[2].1.iter().map(String::as_str));
-    succeeds(&folder, &arguments);
-    let run = run(&folder, ["check", "s.json", "-p", "steel-304-0.5mm", "-w", "3"]);
-    assert_eq!(run.status, 2);
-    assert!(run.stdout.contains("180 hinges"), "{}", run.stdout);
-    assert!(run.stderr.contains("neither state is flat"), "{}", run.stderr);
-    refused(
-        &folder,
-        &["fabricate", "s.json", "-p", "steel-304-0.5mm", "-o", "none"],
-        2,
-        &["neither state is flat"],
-    );
-}
-
-#[test]
-fn the_sample_is_imported_improved_and_cut_without_a_failing_hinge() {
-    let folder = peers::fresh_folder("import-sample");
-    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/import");
-    let file = |name: &str| samples.join(name).display().to_string();
-    let (closed, open) = (file("dome-closed.obj"), file("dome-open.obj"));
-    let pair = ["import", "--closed", &closed, "--open", &open, "-o", "dome.json"];
-    succeeds(&folder, &pair);
-    let before = number(&read(&folder.join("dome.json"))["report"], "max_length_error");
-    // The files hold two decimals.
-    assert!(before > 1e-5 && before < 1e-2, "{before}");
-    succeeds(&folder, &[&pair[..], &["--improve", "-p", "steel-304-0.5mm"]].concat());
-    let after = number(&read(&folder.join("dome.json"))["report"], "max_length_error");
-    assert!(after < 1e-12 && after < 1e-3 * before, "{after}");
-    let text = succeeds(&folder, &["fabricate", "dome.json", "-p", "steel-304-0.5mm", "-o", "dome"]);
-    assert!(text.contains(" 0 fail"), "{text}");
-    let hinges = read(&folder.join("dome/hinges.json"));
-    for row in hinges["hinges"].as_array().unwrap() {
-        assert!(number(row, "centre_offset_mm") < 0.02, "{row}");
-    }
 }

@@ -14,7 +14,7 @@ use kirimorph::geometry::{Point3, Vector2, Vector3};
 use kirimorph::kirigami::design::{Design, Hinge, PatternKind, Piece, State};
 use kirimorph::output::dxf::{self, DxfVersion};
 use kirimorph::output::preview::{self, Preview};
-use kirimorph::output::{hinge_report, svg};
+use kirimorph::output::{Heading, hinge_report, svg};
 use kirimorph::profile::Profile;
 use serde_json::{Value, json};
 
@@ -311,15 +311,8 @@ fn an_open_sheet_has_its_preview_and_drawing() {
     let made = made(&profile, &lattice.design());
     let folder = peers::fresh_folder("open-preview");
     let figures = vec![("pieces".to_string(), made.design.pieces.len().to_string())];
-    let page = Preview {
-        fabrication: &made,
-        title: "steps",
-        profile: &profile.name,
-        target: "flat",
-        made_from: "cut cut.dxf",
-        groove: "kerf",
-        figures: &figures,
-    };
+    let heading = Heading { name: "steps", target: "flat", profile: &profile, figures: &figures };
+    let page = Preview { fabrication: &made, heading, made_from: "cut cut.dxf", groove: "kerf" };
     let mut bytes = Vec::new();
     preview::write(&page, &mut bytes).unwrap();
     fs::write(folder.join("preview.svg"), &bytes).unwrap();

@@ -6,6 +6,7 @@ use kirimorph::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths
 use kirimorph::fabrication::hinge_table::Verdict;
 use kirimorph::geometry::mesh::TriMesh;
 use kirimorph::geometry::{Point3, Vector2};
+use kirimorph::output::Heading;
 use kirimorph::output::preview::{self, Preview, WritePreviewError};
 use svg::node::Attributes;
 use svg::node::element::tag::Type;
@@ -44,16 +45,10 @@ fn sheet(mesh: &TriMesh) -> Fabrication {
 
 fn page(fabrication: &Fabrication) -> Result<String, WritePreviewError> {
     let figures = vec![("largest strain".to_string(), "39 % <of> \"all\"".to_string())];
-    let title = "cap & <dome> \u{1} 'one'";
-    let preview = Preview {
-        fabrication,
-        title,
-        profile: "steel-304-0.5mm",
-        target: "cap.obj",
-        made_from: "cut cut.dxf",
-        groove: "kerf",
-        figures: &figures,
-    };
+    let profile = &kirimorph::profile::load("steel-304-0.5mm", Path::new(".")).unwrap();
+    let name = "cap & <dome> \u{1} 'one'";
+    let heading = Heading { name, target: "cap.obj", profile, figures: &figures };
+    let preview = Preview { fabrication, heading, made_from: "cut cut.dxf", groove: "kerf" };
     let mut bytes = Vec::new();
     let result = preview::write(&preview, &mut bytes);
     assert!(result.is_ok() || bytes.is_empty(), "a refused sheet leaves nothing behind");

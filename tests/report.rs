@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use kirimorph::fabrication::mechanics::{self, StrainClass};
-use kirimorph::profile::{self, Material, Profile, Shape};
+use kirimorph::output::report;
+use kirimorph::profile;
 use program::{Mesh, STEEL, asked, design, job, made, number, run};
 use serde_json::{Value, json};
 
@@ -231,30 +232,6 @@ fn twenty_thousand_hinges_stay_smooth() {
     assert!(busy[busy.len() / 2] < 150.0, "{space}");
 }
 
-fn page_material(material: &Material) -> Value {
-    json!({
-        "youngsModulus": material.youngs_modulus,
-        "yieldStrain": material.yield_strain,
-        "strainLimit": material.strain_limit,
-        "elongation": material.elongation,
-        "enduranceStrain": material.endurance_strain,
-        "coffinManson": material.coffin_manson,
-    })
-}
-
-fn page_profile(profile: &Profile) -> Value {
-    let (shape, compliance) = match profile.ligament.shape {
-        Shape::Beam(beam) => ("beam", beam.root_compliance),
-        Shape::Rounded(beam) => ("rounded", beam.root_compliance),
-        Shape::Notch { .. } => ("notch", 0.0),
-    };
-    json!({
-        "width": profile.ligament.width, "thickness": profile.sheet.thickness, "kerf": profile.cut.kerf,
-        "shape": shape, "rootCompliance": compliance, "lengths": profile.ligament_lengths(),
-        "material": page_material(&profile.material),
-    })
-}
-
 #[test]
 fn the_bundle_of_three_js_is_what_its_lock_makes() {
     let Some(made) = peers::three() else { return };
@@ -278,7 +255,8 @@ fn the_pages_formulas_are_those_of_the_program() {
             }
         }
     }
-    let list = cases.iter().map(|(p, l, a)| json!({ "profile": page_profile(p), "length": l, "angle": a }));
+    let list =
+        cases.iter().map(|(p, l, a)| json!({ "profile": report::mechanics(p), "length": l, "angle": a }));
     let file = folder.join("cases.json");
     std::fs::write(&file, Value::from_iter(list).to_string()).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/output/report/mechanics.js");

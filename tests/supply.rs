@@ -85,6 +85,23 @@ fn the_stated_rust_is_at_least_what_dependencies_ask_for() {
     }
 }
 
+/// The stated version is the one that all of these tests are run with where they count.
+#[test]
+fn the_stated_rust_is_the_one_that_ci_builds_with() {
+    let told = Command::new("rustc").arg("--version").output().unwrap().stdout;
+    let told = String::from_utf8(told).unwrap();
+    let used = told.split(' ').nth(1).unwrap();
+    let stated = env!("CARGO_PKG_RUST_VERSION");
+    if std::env::var_os("CI").is_none_or(|value| value != "true") {
+        println!("skipped: built with {used}, {stated} is stated, and only with CI=true they must agree");
+        return;
+    }
+    assert!(
+        used.starts_with(&format!("{stated}.")),
+        "{stated} is stated but {used} builds: state what is tested"
+    );
+}
+
 /// All Rust code below a folder.
 fn code(folder: &Path) -> String {
     let mut all = String::new();

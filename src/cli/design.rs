@@ -5,16 +5,15 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::map::{figures, map};
-use super::progress::{Reporter, Reporting};
-use super::{Failure, Optimisation, events, interrupt, open_state, partial, print};
+use super::partial::Resumable;
+use super::progress::{Reporting, watched};
+use super::{Failure, Optimisation, events, open_state, print};
 use crate::job::read_job;
 use crate::kirigami::feasibility::{Feasibility, Verdict};
-use crate::memory;
 use crate::output::design_json::{self, DesignFile, Provenance, WriteDesignError};
-use crate::output::partial_json;
 use crate::output::stretch_map;
 use crate::output::whole_file::write_whole;
-use crate::pipeline::{Clock, PipelineError, Prediction, Progress, placed_design, predict, source_hashes};
+use crate::pipeline::{Designed, Prediction, placed_design, predict, source_hashes};
 
 /// What the user asks for.
 pub struct Options {
@@ -36,71 +35,68 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<(), Failure> {
     let job = read_job(&options.job).map_err(Failure::bad_input)?;
     let name = options.job.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let html = match options.map.as_deref().map(|map| (map, map.extension().unwrap_or_default())) {
-        Some((_, ending)) if ending == "html" || ending == "htm" => true,
-        Some((map, ending)) if ending != "svg" => {
-            let message = format!("{}: the map must end in .svg or .html", map.display());
-            return Err(Failure::BadInput(message));
-        }
-        _ => false,
-    };
+    let map = options.map.as_deref().map(|map| is_html(map).map(|html| (map, html))).transpose()?;
     let file = options.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}.design.json")));
     // What an interrupted run leaves goes beside the design.
-    let folder = file.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder });
-    let folder = folder.unwrap_or(Path::new(".")).to_owned();
-    let partial_hashes = partial::hashes(&job, &options.job);
-    interrupt::listen();
-    let mut reporter = Reporter::new(&options.reporting);
-    let mut watch = |progress: &Progress| {
-        reporter.show(progress);
-        interrupt::flow()
+    let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let partial = Resumable::new(&job, &options.job, folder);
+    let outcome = watched(&options.reporting, |clock| {
+        partial.begin(&options.optimisation, clock)?;
+        if options.feasibility_only || map.is_some() {
+            let prediction = predict(&job, clock)?;
+            map.map_or(Ok(()), |(map, html)| write_map(&prediction, &name, map, html))?;
+            if options.feasibility_only {
+                return Ok(Outcome::Predicted(prediction));
+            }
+        }
+        placed_design(&job, clock).map(Outcome::Designed).map_err(|error| partial.failure(error))
+    })?;
+    let designed = match outcome {
+        Outcome::Predicted(prediction) => return report(&prediction, &name, &options.reporting),
+        Outcome::Designed(designed) => designed,
     };
-    let mut clock = Clock::new(&mut watch);
+    let (hashes, target) = (source_hashes(&job, &options.job), job.target.meshes()[0].to_string_lossy());
+    let provenance = Provenance { job: &name, target: &target, hashes: &hashes };
+    write(&designed, provenance, &file)?;
     if options.optimisation.resume {
-        clock.journal = partial::journal(&folder, &partial_hashes)?;
+        partial.served();
     }
-    clock.memory = if options.optimisation.ignore_memory { None } else { memory::free() };
-    let prediction = if options.feasibility_only || options.map.is_some() {
-        Some(predict(&job, &mut clock).map_err(failure)?)
-    } else {
-        None
-    };
-    if let (Some(prediction), Some(map)) = (&prediction, &options.map) {
-        write_map(prediction, &name, map, html)?;
+    tell(&designed, &name, &file, &options.reporting);
+    Ok(())
+}
+
+/// What was done.
+enum Outcome {
+    Predicted(Prediction),
+    Designed(Designed),
+}
+
+/// Whether a map is a page; else it is a picture.
+fn is_html(map: &Path) -> Result<bool, Failure> {
+    match map.extension().and_then(|ending| ending.to_str()) {
+        Some("html" | "htm") => Ok(true),
+        Some("svg") => Ok(false),
+        _ => Err(Failure::BadInput(format!("{}: the map must end in .svg or .html", map.display()))),
     }
-    if let (Some(prediction), true) = (&prediction, options.feasibility_only) {
-        drop(clock);
-        drop(reporter);
-        return report(prediction, &name, &options.reporting);
-    }
-    let designed =
-        placed_design(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &partial_hashes))?;
-    let hashes = source_hashes(&job, &options.job);
-    let target = job.target.meshes()[0].to_string_lossy();
-    let design = DesignFile {
-        design: &designed.design,
-        quality: &designed.quality,
-        stages: &designed.stages,
-        max_strain: None,
-        provenance: Provenance { job: &name, target: &target, hashes: &hashes },
-    };
-    write_whole::<WriteDesignError>(&file, |out| design_json::write(&design, out))
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
-    if options.optimisation.resume {
-        // It has served; that it stays is no reason to fail.
-        let _ = std::fs::remove_file(folder.join(partial_json::FILE_NAME));
-    }
-    drop(clock);
-    drop(reporter);
-    if options.reporting.json {
-        let figures: BTreeMap<&str, f64> = design_json::figures(&designed.quality).into();
+}
+
+fn write(designed: &Designed, provenance: Provenance, path: &Path) -> Result<(), Failure> {
+    let Designed { design, quality, stages, .. } = designed;
+    let file = DesignFile { design, quality, stages, max_strain: None, provenance };
+    write_whole::<WriteDesignError>(path, |out| design_json::write(&file, out))
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
+}
+
+/// Tells what was designed.
+fn tell(designed: &Designed, name: &str, file: &Path, reporting: &Reporting) {
+    let Designed { design, quality, .. } = designed;
+    let (pieces, hinges) = (design.pieces.len(), design.hinges.len());
+    if reporting.json {
+        let figures: BTreeMap<&str, f64> = design_json::figures(quality).into();
         events::tell(&serde_json::json!({
-            "event": "result", "status": 0, "files": [&file], "pieces": designed.design.pieces.len(),
-            "hinges": designed.design.hinges.len(), "figures": figures,
+            "event": "result", "status": 0, "files": [file], "pieces": pieces, "hinges": hinges, "figures": figures,
         }));
-    } else if !options.reporting.quiet {
-        let (pieces, hinges) = (designed.design.pieces.len(), designed.design.hinges.len());
-        let quality = &designed.quality;
+    } else if !reporting.quiet {
         let mut text = format!(
             "{name}: designed, {pieces} pieces and {hinges} hinges; off the target {:.3} mm, length error {:.1e}\n",
             quality.distance_max, quality.max_length_error,
@@ -110,11 +106,6 @@ pub fn run(options: &Options) -> Result<(), Failure> {
         }
         print(&format!("{text}Design in {}\n", file.display()));
     }
-    Ok(())
-}
-
-fn failure(error: PipelineError) -> Failure {
-    if error.is_bad_input() { Failure::bad_input(error) } else { Failure::NotMakeable(error.to_string()) }
 }
 
 fn write_map(prediction: &Prediction, name: &str, path: &Path, html: bool) -> Result<(), Failure> {

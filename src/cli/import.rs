@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::check::without_repeated;
-use super::progress::{Reporter, Reporting};
-use super::{Failure, interrupt, paint, print};
+use super::progress::{Reporting, watched};
+use super::{Failure, paint, print};
 use crate::import::{
     CLOSED, CONSTRAINTS, ImportError, Imported, OPEN, Options, Size, Source, import, read_mesh_pair,
     read_pieces_json, read_pykirigami, reassembled,
@@ -18,7 +18,7 @@ use crate::kirigami::quality::{Limits, Quality, measure_alone};
 use crate::kirigami::rigidity;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage, WriteDesignError};
 use crate::output::whole_file::write_whole;
-use crate::pipeline::{Clock, Progress, fingerprints};
+use crate::pipeline::fingerprints;
 use crate::profile;
 
 /// The flags.
@@ -170,17 +170,13 @@ fn improved(
         imported.design = without_repeated(imported.design.clone());
     }
     let gap = profile.map(|profile| gap_for(&imported.design, profile)).transpose()?;
-    interrupt::listen();
     let (before, tolerance) = (measure_alone(&imported.design), imported.tolerance);
-    let mut reporter = Reporter::new(&Reporting::default());
-    let mut watch = |progress: &Progress| {
-        reporter.show(progress);
-        interrupt::flow()
-    };
-    let mut clock = Clock::new(&mut watch);
-    let (pieces, reports) =
-        clock.run("stage-3", |run| improve(&imported.design, &improve::Options { tolerance, gap }, run));
-    clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
+    let options = improve::Options { tolerance, gap };
+    let (pieces, reports) = watched(&Reporting::default(), |clock| {
+        let improved = clock.run("stage-3", |run| improve(&imported.design, &options, run));
+        clock.go_on(|| None).map_err(|error| Failure::Interrupted(error.to_string()))?;
+        Ok(improved)
+    })?;
     let moved = largest_move(&imported.design.pieces, &pieces);
     let gap = gap.unwrap_or(imported.design.gap);
     imported.design = reassembled(&imported.design, pieces, gap, tolerance);

@@ -6,47 +6,49 @@ use super::table::table;
 use super::{Failure, print};
 use crate::machine::profile::{Dialect, Machine, Table};
 use crate::profile::{Ligament, Process, Profile, Shape};
-use crate::toml_source::TomlFile;
+use crate::toml_source::{ShelfError, TomlFile};
 use crate::{machine, profile};
 
 /// Lists the profiles, or prints one as it can be copied.
 pub fn profiles(name: Option<&str>) -> Result<(), Failure> {
     let here = Path::new(".");
-    if let Some(name) = name {
-        print(&profile::source(name, here).map_err(Failure::bad_input)?.text);
-        return Ok(());
-    }
-    let (mut rows, mut faults) = (Vec::new(), Vec::new());
-    for name in profile::names() {
-        match (profile::load(&name, here), profile::source(&name, here)) {
-            (Ok(profile), Ok(file)) => rows.push(profile_row(&profile, &file)),
-            (Err(error), _) | (_, Err(error)) => faults.push(error.to_string()),
-        }
-    }
-    print(&table(["profile", "material", "sheet, mm", "process", "ligament, mm", "from"], &rows));
-    unusable(&faults)
+    let Some(name) = name else {
+        let headings = ["profile", "material", "sheet, mm", "process", "ligament, mm", "from"];
+        return list(headings, &profile::names(), |name| {
+            Ok(profile_row(&profile::load(name, here)?, &profile::source(name, here)?))
+        });
+    };
+    print(&profile::source(name, here).map_err(Failure::bad_input)?.text);
+    Ok(())
 }
 
 /// Lists the machines, or prints one as it can be copied.
 pub fn machines(name: Option<&str>) -> Result<(), Failure> {
     let here = Path::new(".");
-    if let Some(name) = name {
-        print(&machine::source(name, here).map_err(Failure::bad_input)?.text);
-        return Ok(());
-    }
-    let (mut rows, mut faults) = (Vec::new(), Vec::new());
-    for name in machine::names() {
-        match (machine::load(&name, here), machine::source(&name, here)) {
-            (Ok(machine), Ok(file)) => rows.push(machine_row(&machine, &file)),
-            (Err(error), _) | (_, Err(error)) => faults.push(error.to_string()),
-        }
-    }
-    print(&table(["machine", "control", "table", "tool's tip held by", "from"], &rows));
-    unusable(&faults)
+    let Some(name) = name else {
+        let headings = ["machine", "control", "table", "tool's tip held by", "from"];
+        return list(headings, &machine::names(), |name| {
+            Ok(machine_row(&machine::load(name, here)?, &machine::source(name, here)?))
+        });
+    };
+    print(&machine::source(name, here).map_err(Failure::bad_input)?.text);
+    Ok(())
 }
 
-/// Files of the user's folder that cannot be used are told after all the others.
-fn unusable(faults: &[String]) -> Result<(), Failure> {
+/// Prints a row for every name; files of the user's folder that cannot be used are told after all the others.
+fn list<const N: usize>(
+    headings: [&str; N],
+    names: &[String],
+    row: impl Fn(&str) -> Result<[String; N], ShelfError>,
+) -> Result<(), Failure> {
+    let (mut rows, mut faults) = (Vec::new(), Vec::new());
+    for name in names {
+        match row(name) {
+            Ok(row) => rows.push(row),
+            Err(error) => faults.push(error.to_string()),
+        }
+    }
+    print(&table(headings, &rows));
     if faults.is_empty() { Ok(()) } else { Err(Failure::BadInput(faults.join("\n"))) }
 }
 

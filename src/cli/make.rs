@@ -1,26 +1,25 @@
 //! `kirimorph make`: the main job, its files and its summary.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::check::refuse_failing;
-use super::progress::{Reporter, Reporting};
-use super::results::{Extras, Leaving, Results, cut_lines, dry_run_lines, no_cut_file, outcome, plan};
-use super::{
-    Failure, Optimisation, events, interrupt, map, milled, morphs, open_state, partial, print, solids,
+use super::partial::Resumable;
+use super::progress::{Reporting, watched};
+use super::results::{
+    Extras, Leaving, Results, cut_lines, design_file, dry_run_lines, event, head, no_cut_file, outcome,
 };
+use super::table::labelled;
+use super::{Failure, Optimisation, events, figures, map, milled, morphs, print, solids};
 use crate::fabrication::product::Product;
 use crate::fabrication::states::other_name;
-use crate::job::{Job, Kind, read_job};
+use crate::job::{Fabrication, Job, Kind, read_job};
 use crate::kirigami::design::State;
-use crate::kirigami::quality::{Fit, Quality};
 use crate::machine::Machine;
-use crate::memory;
-use crate::output::folder::{MILL_FILES, OutputFolder};
+use crate::output::design_json::{self, Provenance};
+use crate::output::folder::MILL_FILES;
 use crate::output::report::Seen;
-use crate::output::{design_json, hinge_report, partial_json, snap_report};
+use crate::output::{partial_json, snap_report};
 use crate::pipeline::mill::Milled;
-use crate::pipeline::{Clock, Made, Progress, limits, make, source_hashes};
+use crate::pipeline::{Clock, Made, limits, make, source_hashes};
 use crate::snap::assess::{Snap, assess};
 
 /// Runs the job and writes its results, all or none.
@@ -35,65 +34,53 @@ pub fn run(
     let name = job_file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let folder = output.unwrap_or_else(|| Path::new("out").join(&name));
     let leaving = Leaving { folder: &folder, allow_failing, dry_run };
-    if !dry_run {
-        OutputFolder::check(&folder).map_err(Failure::bad_input)?;
-    }
-    let hashes = partial::hashes(&job, job_file);
+    leaving.check()?;
+    let input = Input { job: &job, file: job_file, name: &name };
     let unused_partial = !optimisation.resume && folder.join(partial_json::FILE_NAME).exists();
-    interrupt::listen();
-    let mut reporter = Reporter::new(reporting);
-    let mut watch = |progress: &Progress| {
-        reporter.show(progress);
-        interrupt::flow()
-    };
-    let mut clock = Clock::new(&mut watch);
-    if optimisation.resume {
-        clock.journal = partial::journal(&folder, &hashes)?;
-    }
-    clock.memory = if optimisation.ignore_memory { None } else { memory::free() };
-    let made = make(&job, &mut clock).map_err(|error| partial::failure(error, &folder, &hashes))?;
-    refuse_failing(made.product.hinges(), allow_failing)?;
-    let thick = clock.run("solids", |_| solids::solids(&made.product, &job.fabrication.profile))?;
-    let moving = clock.run("morph", |_| morphs::moving(&made.product, &job.fabrication.profile))?;
-    let plan = plan(&made.product, &job.fabrication.profile, &job.fabrication.cut, &mut clock)?;
-    let input = Input { job: &job, name: &name };
-    let snap = snapping(&made, &job, &mut clock);
-    let map = map::figure(&job, &mut clock);
-    let mut extras = Extras {
-        solids: thick.as_ref(),
-        snap: snap.as_ref(),
-        moving: moving.as_ref(),
-        plan: plan.as_ref(),
-        milled: None,
-        seen: Seen { targets: &made.targets, map: map.as_deref(), morph: None },
-    };
-    let fabrication = &job.fabrication;
-    let (target, hashes, shown) = (input.target_name(), source_hashes(&job, job_file), figures(&made));
-    let mut results = Results {
-        name: &name,
-        target: &target,
-        hashes: &hashes,
-        product: &made.product,
-        outcome: &outcome("made", made.product.hinges()),
-        extras,
-        quality: &made.quality,
-        limits: &limits(&job),
-        stages: &made.stages,
-        profile: &fabrication.profile,
-        dxf: fabrication.dxf,
-        figures: &shown,
-    };
-    let milled = milled::milled(&results, fabrication.machine.as_ref(), &fabrication.cut, 0, &mut clock)?;
-    extras.milled = milled.as_ref().zip(fabrication.machine.as_ref());
-    results.extras = extras;
-    results.leave(&leaving, &mut clock)?;
-    drop(reporter);
+    let partial = Resumable::new(&job, job_file, &folder);
+    let (made, extras) = watched(reporting, |clock| {
+        partial.begin(optimisation, clock)?;
+        let made = make(&job, clock).map_err(|error| partial.failure(error))?;
+        let extras = finish(&made, &input, &leaving, clock)?;
+        Ok((made, extras))
+    })?;
     if reporting.json {
-        events::tell(&result_event(&made, extras, &input, &leaving));
+        events::tell(&result_event(&made, &extras, &input, &leaving));
     } else if !reporting.quiet {
-        print(&summary(&made, extras, &input, &leaving, unused_partial));
+        print(&summary(&made, &extras, &input, &leaving, unused_partial));
     }
     Ok(())
+}
+
+/// Everything that is made of a job besides, and the files.
+fn finish<'a>(
+    made: &Made,
+    input: &Input<'a>,
+    leaving: &Leaving,
+    clock: &mut Clock,
+) -> Result<Extras<'a>, Failure> {
+    let (job, product) = (input.job, &made.product);
+    let Fabrication { profile, dxf, cut, machine } = &job.fabrication;
+    let mut extras = Extras::new(product, profile, cut, machine.as_ref(), leaving.allow_failing, clock)?;
+    extras.snap = snapping(made, job, clock);
+    let map = map::figure(job, clock);
+    let (target, hashes) = (input.target_name(), source_hashes(job, input.file));
+    let provenance = Provenance { job: input.name, target: &target, hashes: &hashes };
+    let file = design_file(product, &made.quality, &made.stages, provenance);
+    extras.milled = milled::milled((product, &file), &extras, profile, cut, 0, clock)?;
+    let results = Results {
+        file,
+        product,
+        outcome: &outcome("made", product.hinges()),
+        extras: &extras,
+        seen: Seen { targets: &made.targets, map: map.as_deref(), morph: None },
+        limits: &limits(job),
+        profile,
+        dxf: *dxf,
+        figures: &figures::of_job(product, &made.quality),
+    };
+    results.leave(leaving, clock)?;
+    Ok(extras)
 }
 
 /// With more hinges the way of a whole sheet takes minutes.
@@ -107,33 +94,16 @@ fn snapping(made: &Made, job: &Job, clock: &mut Clock) -> Option<Snap> {
     followed.then(|| clock.run("snap", |_| assess()))
 }
 
-/// The last event: figures under their names in design.json, and the files.
-fn result_event(made: &Made, extras: Extras, input: &Input, leaving: &Leaving) -> serde_json::Value {
-    let Extras { solids: thick, snap, moving, plan, milled, .. } = extras;
-    let product = &made.product;
-    let hinges = hinge_report::summary(product.hinges());
-    let figures: BTreeMap<&str, f64> = design_json::figures(&made.quality).into();
-    serde_json::json!({
-        "event": "result",
-        "status": 0,
-        "dry_run": leaving.dry_run,
-        "folder": leaving.folder(),
-        "files": leaving.files(product, extras),
-        "snap": snap.map(|snap| snap_report::object(snap, &input.job.fabrication.profile.name)),
-        "pieces": product.design().pieces.len(),
-        "hinges": product.hinges().len(),
-        "hinges_to_look_at": hinges.as_ref().map_or(0, |summary| summary.warn),
-        "max_strain": hinges.as_ref().map(|summary| summary.worst_strain.value),
-        "figures": figures,
-        "closed": design_json::fit_object(&made.quality, State::Closed),
-        "open": design_json::fit_object(&made.quality, State::Open),
-        "cut_file": matches!(product, Product::Sheet(_)),
-        "solids": thick.map(solids::event),
-        "morph": moving.map(morphs::event),
-        "cut": plan.map(|plan| hinge_report::cut_object(&plan.report)),
-        "mill": milled.map(|(milled, machine)| milled::object(milled, machine)),
-        "remark": remark(made, input),
-    })
+/// The last event: what `fabricate` tells, and how the design fits its targets and snaps.
+fn result_event(made: &Made, extras: &Extras, input: &Input, leaving: &Leaving) -> serde_json::Value {
+    let mut event = event(&made.product, &made.quality, extras, leaving);
+    let profile = &input.job.fabrication.profile.name;
+    event["snap"] = extras.snap.as_ref().map(|snap| snap_report::object(snap, profile)).into();
+    event["closed"] = design_json::fit_object(&made.quality, State::Closed);
+    event["open"] = design_json::fit_object(&made.quality, State::Open);
+    event["cut_file"] = matches!(made.product, Product::Sheet(_)).into();
+    event["remark"] = remark(made, input).into();
+    event
 }
 
 /// The files that are cut by, and what they are for.
@@ -156,6 +126,8 @@ fn remark(made: &Made, input: &Input) -> Option<String> {
 /// What the results were made from.
 struct Input<'a> {
     job: &'a Job,
+    /// The job's own.
+    file: &'a Path,
     name: &'a str,
 }
 
@@ -167,127 +139,62 @@ impl Input<'_> {
     }
 }
 
-/// The figures by which a person judges the result: label and value, short enough for one line of the
-/// preview.
-fn figures(made: &Made) -> Vec<(String, String)> {
-    let Made { product, quality, .. } = made;
-    let hinges = product.hinges();
-    let angles = hinges.iter().map(|row| row.angle.to_degrees());
-    let (least, most) = angles.fold((f64::INFINITY, 0.0_f64), |(l, m), a| (l.min(a), m.max(a)));
-    let tilt = hinges.iter().map(|row| row.tilt.to_degrees()).fold(0.0, f64::max);
-    let mut rows = vec![
-        ("pieces, hinges", format!("{}, {}", product.design().pieces.len(), hinges.len())),
-        ("mean edge", format!("{:.3} mm", quality.mean_edge)),
-        ("asked edge", format!("{:.3} mm", quality.asked_edge)),
-        ("length error", format!("{:.1e} relative", quality.max_length_error)),
-        ("bending", format!("{:.1e} edges", quality.planarity)),
-    ];
-    rows.extend(fit_rows(quality));
-    if quality.closed_step_max > 0.0 {
-        rows.push(("step at closed hinges", format!("{:.3} mm", quality.closed_step_max)));
-    }
-    rows.extend([
-        ("area expansion", format!("{:.3}", quality.area_expansion)),
-        ("target's stretch", format!("{:.3}", quality.stretch_ratio)),
-        ("hinge angles", format!("{least:.1} to {most:.1} deg")),
-        ("largest tilt", format!("{tilt:.1} deg")),
-    ]);
-    let rows = rows.into_iter().map(|(label, value)| (label.to_owned(), value));
-    rows.chain(open_state::figures(quality)).collect()
-}
-
-/// How the design fits its targets: one column, or where both states have a target one for each.
-fn fit_rows(quality: &Quality) -> Vec<(&'static str, String)> {
-    let cell = std::f64::consts::SQRT_2 * quality.mean_edge;
-    let both = |figure: &dyn Fn(&Fit) -> String| match quality.fits.as_slice() {
-        [(_, fit)] => figure(fit),
-        fits => fits
-            .iter()
-            .map(|(state, fit)| format!("{} {}", design_json::state_name(*state), figure(fit)))
-            .collect::<Vec<_>>()
-            .join(", "),
-    };
-    let both_states = quality.fits.len() > 1;
-    let boundary = |fit: &Fit| match fit.held {
-        true if both_states => format!("{:.2} mm", fit.boundary_max),
-        true => format!("{:.2} mm ({:.2} pieces)", fit.boundary_max, fit.boundary_max / cell),
-        false => String::from("free"),
-    };
-    let mut rows = vec![
-        ("off the target", both(&|fit| format!("{:.3} mm", fit.distance_max))),
-        ("off, of diagonal", both(&|fit| format!("{:.1e}", fit.distance_max / fit.target_diagonal))),
-        ("boundary gap", both(&boundary)),
-        ("piece centres off", both(&|fit| format!("{:.3} mm", fit.sagitta_max))),
-    ];
-    if quality.fits.iter().any(|(_, fit)| !fit.held) {
-        rows.push(("area covered", both(&|fit| format!("{:.0} %", 100.0 * fit.covered))));
-    }
-    rows
-}
-
-fn summary(made: &Made, extras: Extras, input: &Input, leaving: &Leaving, unused_partial: bool) -> String {
-    let folder = leaving.folder;
-    let Extras { solids: thick, snap, moving, plan, milled, .. } = extras;
-    let figures = figures(made);
-    let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-    let hinges = hinge_report::summary(made.product.hinges());
-    let mut text = format!("{}: {}\n", input.name, outcome("made", made.product.hinges()));
-    for (label, value) in &figures {
-        text += &format!("  {label:<width$}  {value}\n");
-    }
-    if let Some(summary) = hinges {
-        text += &format!("  {summary}\n");
-    }
-    text += &milled.map_or_else(|| cut_lines(plan), milled::lines);
-    if let Some(thick) = thick {
-        text += &solids::summary(thick);
-    }
-    text += &morphs::summary(moving, made.product.hinges().len());
-    if let Some(snap) = snap {
-        let figures = snap_report::figures(snap);
-        let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-        text += "Snap, by the model of docs/snap.md:\n";
-        figures.iter().for_each(|(label, value)| text += &format!("  {label:<width$}  {value}\n"));
-    } else if matches!(input.job.pattern.kind, Kind::Bistable(_)) {
-        text += &format!(
-            "The snap of more than {MOST_HINGES} hinges takes minutes and was left out: kirimorph snap {} -p PROFILE\n",
-            folder.join("design.json").display()
-        );
-    }
+fn summary(made: &Made, extras: &Extras, input: &Input, leaving: &Leaving, unused_partial: bool) -> String {
+    let Extras { solids: thick, moving, plan, .. } = extras;
+    let (hinges, milled) = (made.product.hinges(), extras.milled());
+    let figures = figures::of_job(&made.product, &made.quality);
+    let mut text = head(input.name, &outcome("made", hinges), &figures, hinges);
+    text += &milled.map_or_else(|| cut_lines(plan.as_ref()), milled::lines);
+    text += &thick.as_ref().map(solids::summary).unwrap_or_default();
+    text += &morphs::summary(moving.as_ref(), hinges.len());
+    text += &snap_lines(extras.snap.as_ref(), input, leaving);
     if leaving.dry_run {
         return text + &dry_run_lines(milled);
     }
     if unused_partial {
         text += "The design.partial.json of an interrupted run gave way to this result, made from the beginning.\n";
     }
-    text += &format!("Files in {}:\n", folder.display());
-    let files = match &made.product {
+    text += &files_listed(&made.product, extras, leaving.folder);
+    text + &remark(made, input).map(|remark| remark + "\n").unwrap_or_default()
+}
+
+/// How a bistable sheet snaps, or why that is not told.
+fn snap_lines(snap: Option<&Snap>, input: &Input, leaving: &Leaving) -> String {
+    match (snap, &input.job.pattern.kind) {
+        (Some(snap), _) => {
+            format!("Snap, by the model of docs/snap.md:\n{}", labelled(&snap_report::figures(snap)))
+        }
+        (None, Kind::Bistable(_)) => format!(
+            "The snap of more than {MOST_HINGES} hinges takes minutes and was left out: kirimorph snap {} -p PROFILE\n",
+            leaving.folder.join("design.json").display()
+        ),
+        (None, Kind::RotatingRectangles) => String::new(),
+    }
+}
+
+/// The files, and what they are for.
+fn files_listed(product: &Product, extras: &Extras, folder: &Path) -> String {
+    let mut text = format!("Files in {}:\n", folder.display());
+    match product {
         Product::Sheet(sheet) => {
             let other = other_name(&sheet.design);
-            let [files, words] = cut_words(milled);
-            format!(
-                "  {files:<26}  {words}\n\
-                 \x20 {:<26}  the part as a solid, and its pieces in the {other} state\n",
-                format!("part.stl, {other}.stl")
-            )
+            let [files, words] = cut_words(extras.milled());
+            let solids = format!("part.stl, {other}.stl");
+            text += &format!("  {files:<26}  {words}\n");
+            text += &format!("  {solids:<26}  the part as a solid, and its pieces in the {other} state\n");
         }
         Product::Assembly(_) => {
-            "  pieces-closed.stl, pieces-open.stl   solids of the pieces in both states\n".to_owned()
+            text += "  pieces-closed.stl, pieces-open.stl   solids of the pieces in both states\n";
         }
-    };
-    text += &files;
-    if snap.is_some() {
+    }
+    if extras.snap.is_some() {
         text += "  snap.json, snap.svg         energy and torque on the way between the states\n";
     }
-    if moving.is_some() {
+    if extras.moving.is_some() {
         text += "  morph.glb                   the pieces on their way between the states, for 3D viewers\n";
     }
-    text += "  report.html                 look at this first, in a browser\n\
-             \x20 preview.svg                 the same on one page, to print\n\
-             \x20 hinges.csv, hinges.json     the hinge placement report\n\
-             \x20 design.json, timings.json   the design with its figures, and the times\n";
-    if let Some(remark) = self::remark(made, input) {
-        text += &format!("{remark}\n");
-    }
-    text
+    text + "  report.html                 look at this first, in a browser\n\
+            \x20 preview.svg                 the same on one page, to print\n\
+            \x20 hinges.csv, hinges.json     the hinge placement report\n\
+            \x20 design.json, timings.json   the design with its figures, and the times\n"
 }

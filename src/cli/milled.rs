@@ -3,41 +3,44 @@
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::results::Results;
+use super::results::{Extras, design_hash};
 use crate::fabrication::plan::CutOptions;
 use crate::fabrication::product::Product;
 use crate::machine::{Header, Machine};
 use crate::milling::sweep::Figures;
 use crate::milling::toolpath::{Contour, Kind};
+use crate::output::design_json::DesignFile;
 use crate::pipeline::Clock;
 use crate::pipeline::mill::{Milled, Order, mill};
-use crate::profile::Tool;
+use crate::profile::{Profile, Tool};
 
 /// The verified program of a sheet that is milled, from one of its runs on (counted from 0); `None` of what a laser cuts and of what is no sheet.
 ///
 /// # Errors
 /// Nothing that the machine can do, or a program that leaves something else than the part.
 pub fn milled(
-    results: &Results,
-    machine: Option<&Machine>,
+    (product, file): (&Product, &DesignFile),
+    extras: &Extras,
+    profile: &Profile,
     options: &CutOptions,
     first_run: usize,
     clock: &mut Clock,
 ) -> Result<Option<Milled>, Failure> {
-    let (Product::Sheet(sheet), Some(machine)) = (results.product, machine) else { return Ok(None) };
-    let (Some(solids), Some(plan)) = (results.extras.solids, results.extras.plan) else { return Ok(None) };
-    let profile = results.profile;
+    let Extras { solids: Some(solids), plan: Some(plan), machine: Some(machine), .. } = extras else {
+        return Ok(None);
+    };
+    let Product::Sheet(sheet) = product else { return Ok(None) };
     let Some(mut tool) = profile.tool else { return Ok(None) };
     if let Some(wish) = &options.tabs {
         (tool.tabs, tool.tab_width) = (wish.count, wish.width);
     }
     let header = Header {
-        job: results.name.to_owned(),
+        job: file.provenance.job.to_owned(),
         profile: profile.name.clone(),
         tool: tool_words(&tool, profile.cut.kerf),
         stock: format!("{} x {} mm, {}", profile.sheet.width, profile.sheet.height, profile.material.name),
         notes: Vec::new(),
-        hash: results.design_hash().map_err(|error| Failure::BadInput(error.to_string()))?,
+        hash: design_hash(file).map_err(|error| Failure::BadInput(error.to_string()))?,
         spindle_rpm: tool.spindle,
         first_run,
     };

@@ -3,8 +3,8 @@
 use std::io::{IsTerminal, Write, stderr};
 use std::time::{Duration, Instant};
 
-use super::events;
-use crate::pipeline::{Event, Progress};
+use super::{Failure, events, interrupt};
+use crate::pipeline::{Clock, Event, Progress};
 use crate::solver::Step;
 
 /// What is told on the way.
@@ -16,6 +16,23 @@ pub struct Reporting {
     /// Print events for machines on standard output, one JSON object per line: stage, step, result, error.
     #[arg(long, conflicts_with = "quiet")]
     pub json: bool,
+}
+
+/// Does work that tells where it stands, and that a signal asks to stop. Its line is gone from the terminal afterwards.
+///
+/// # Errors
+/// Those of the work.
+pub fn watched<T>(
+    reporting: &Reporting,
+    work: impl FnOnce(&mut Clock) -> Result<T, Failure>,
+) -> Result<T, Failure> {
+    interrupt::listen();
+    let mut reporter = Reporter::new(reporting);
+    let mut watch = |progress: &Progress| {
+        reporter.show(progress);
+        interrupt::flow()
+    };
+    work(&mut Clock::new(&mut watch))
 }
 
 /// Tells where the work stands.

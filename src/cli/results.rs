@@ -4,26 +4,24 @@ mod files;
 
 mod page;
 
-use std::collections::BTreeMap;
+mod told;
+
 use std::io;
 use std::path::Path;
 
 use self::files::write_timings;
-use super::morphs::Moving;
-use super::{Failure, milled};
+use super::check::refuse_failing;
+use super::morphs::{self, Moving};
+use super::{Failure, solids};
 use crate::fabrication::fabricate::Fabrication;
-use crate::fabrication::hinge_table::{HingeRow, Verdict};
+use crate::fabrication::hinge_table::Verdict;
 use crate::fabrication::plan::{CutOptions, CutPlan, cut_plan};
 use crate::fabrication::product::Product;
-use crate::kirigami::design::State;
 use crate::kirigami::quality::{Limits, Quality};
 use crate::machine::Machine;
 use crate::output::design_json::{self, DesignFile, Provenance, Stage};
 use crate::output::dxf::{self, DxfVersion};
-use crate::output::folder::{
-    ASSEMBLY_FILES, CUT_FILES, FolderError, MILL_FILES, MORPH, OPEN_SHEET_FILES, OutputFolder, SHEET_FILES,
-    SNAP_FILES,
-};
+use crate::output::folder::{FolderError, OutputFolder};
 use crate::output::preview;
 use crate::output::report::Seen;
 use crate::output::{hinge_report, svg};
@@ -33,6 +31,8 @@ use crate::profile::Profile;
 use crate::snap::assess::Snap;
 use crate::solid::ThickSheet;
 use crate::verify::{self, Fault, Files, ReadError, Wanted};
+
+pub use told::{cut_lines, dry_run_lines, event, head, no_cut_file, outcome};
 
 /// Anything that can go wrong while results are written.
 #[derive(Debug, thiserror::Error)]
@@ -63,24 +63,18 @@ write_error_from!(
 
 /// What goes into the files.
 pub struct Results<'a> {
-    /// Name of the job or the design.
-    pub name: &'a str,
-    /// File name of the target, or where the design comes from.
-    pub target: &'a str,
-    /// Hashes of input files by name.
-    pub hashes: &'a BTreeMap<String, String>,
+    /// What `design.json` holds.
+    pub file: DesignFile<'a>,
     /// The checked sheet, or the pieces where neither state is flat.
     pub product: &'a Product,
     /// What became of the run: [`outcome`].
     pub outcome: &'a str,
     /// What was made of it besides.
-    pub extras: Extras<'a>,
-    /// Measures of the design as it will be cut.
-    pub quality: &'a Quality,
-    /// What they had to keep.
+    pub extras: &'a Extras<'a>,
+    /// What the report shows of the targets.
+    pub seen: Seen<'a>,
+    /// What the design had to keep.
     pub limits: &'a Limits,
-    /// What the solver did.
-    pub stages: &'a [Stage],
     /// For which it was laid out.
     pub profile: &'a Profile,
     /// Version of the DXF.
@@ -89,21 +83,79 @@ pub struct Results<'a> {
     pub figures: &'a [(String, String)],
 }
 
+/// What `design.json` is to hold of a product.
+pub fn design_file<'a>(
+    product: &'a Product,
+    quality: &'a Quality,
+    stages: &'a [Stage],
+    provenance: Provenance<'a>,
+) -> DesignFile<'a> {
+    let summary = hinge_report::summary(product.hinges());
+    DesignFile {
+        design: product.design(),
+        quality,
+        stages,
+        max_strain: summary.as_ref().map(|summary| summary.worst_strain.value),
+        provenance,
+    }
+}
+
+/// The hash of `design.json` as it will be written.
+///
+/// # Errors
+/// A design that cannot be written.
+pub fn design_hash(file: &DesignFile) -> Result<String, WriteError> {
+    let mut bytes = Vec::new();
+    design_json::write(file, &mut bytes)?;
+    Ok(fingerprint(&bytes))
+}
+
 /// What is made of a product besides its layout.
-#[derive(Clone, Copy)]
 pub struct Extras<'a> {
     /// The sheet's solids; `None` where neither state is flat.
-    pub solids: Option<&'a ThickSheet>,
-    /// How a bistable sheet snaps.
-    pub snap: Option<&'a Snap>,
+    pub solids: Option<ThickSheet>,
     /// The way between the states, where it was followed.
-    pub moving: Option<&'a Moving>,
+    pub moving: Option<Moving>,
     /// How the sheet is cut, where there is one.
-    pub plan: Option<&'a CutPlan>,
+    pub plan: Option<CutPlan>,
+    /// How a bistable sheet snaps.
+    pub snap: Option<Snap>,
+    /// What mills the sheet; `None` for a laser.
+    pub machine: Option<&'a Machine>,
+    /// Its program.
+    pub milled: Option<Milled>,
+}
+
+impl<'a> Extras<'a> {
+    /// Solids, way and cuts of a product whose hinges hold or may fail; neither snap nor program yet.
+    ///
+    /// # Errors
+    /// A failing hinge that is not allowed, what cannot be made of thick material, what the sheet has no room for.
+    pub fn new(
+        product: &Product,
+        profile: &Profile,
+        options: &CutOptions,
+        machine: Option<&'a Machine>,
+        allow_failing: bool,
+        clock: &mut Clock,
+    ) -> Result<Self, Failure> {
+        refuse_failing(product.hinges(), allow_failing)?;
+        let solids = clock.run("solids", |_| solids::solids(product, profile))?;
+        let moving = clock.run("morph", |_| morphs::moving(product, profile))?;
+        let plan = match product {
+            Product::Sheet(sheet) => {
+                let plan = clock.run("plan", |_| cut_plan(sheet, profile, options));
+                Some(plan.map_err(|error| Failure::NotMakeable(error.to_string()))?)
+            }
+            Product::Assembly(_) => None,
+        };
+        Ok(Self { solids, moving, plan, snap: None, machine, milled: None })
+    }
+
     /// The program of a sheet that is milled, and the machine that takes it.
-    pub milled: Option<(&'a Milled, &'a Machine)>,
-    /// What the report shows of the targets.
-    pub seen: Seen<'a>,
+    pub fn milled(&self) -> Option<(&Milled, &'a Machine)> {
+        self.milled.as_ref().zip(self.machine)
+    }
 }
 
 /// What becomes of the results.
@@ -118,23 +170,23 @@ pub struct Leaving<'a> {
 }
 
 impl Leaving<'_> {
+    /// Makes sure before the work that its results can be left.
+    ///
+    /// # Errors
+    /// A place that is no folder of results.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.dry_run { Ok(()) } else { OutputFolder::check(self.folder).map_err(Failure::bad_input) }
+    }
+
     /// The folder that holds the files.
     pub fn folder(&self) -> Option<&Path> {
         (!self.dry_run).then_some(self.folder)
     }
 
     /// The names of the files in it.
-    pub fn files(&self, product: &Product, extras: Extras) -> Vec<String> {
-        if self.dry_run { Vec::new() } else { file_names(product, extras) }
+    pub fn files(&self, product: &Product, extras: &Extras) -> Vec<String> {
+        if self.dry_run { Vec::new() } else { told::file_names(product, extras) }
     }
-}
-
-/// What is said at the end of a dry run: of a program all that it takes.
-pub fn dry_run_lines(milled: Option<(&Milled, &Machine)>) -> String {
-    let rows = milled.map_or_else(Vec::new, milled::statistics);
-    let width = rows.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-    let lines = rows.iter().map(|(label, value)| format!("  {label:<width$}  {value}\n"));
-    lines.chain(["A dry run: nothing was written.\n".to_owned()]).collect()
 }
 
 /// How many faults of one check are told of files that are not left.
@@ -158,9 +210,8 @@ impl Results<'_> {
                 Ok(out)
             })
             .map_err(refused)?;
-        if let (Product::Sheet(sheet), Some(plan), None) =
-            (self.product, self.extras.plan, self.extras.milled)
-        {
+        let Extras { plan, milled, .. } = self.extras;
+        if let (Product::Sheet(sheet), Some(plan), None) = (self.product, plan, milled) {
             let faults =
                 clock.run("verify", |_| self.verify(sheet, plan, &out, allow_failing)).map_err(refused)?;
             if !faults.is_empty() {
@@ -205,87 +256,4 @@ impl Results<'_> {
         faults.retain(|fault| !fault.hinge.is_some_and(told));
         Ok(faults)
     }
-
-    /// What `design.json` is to hold.
-    fn design_file(&self) -> DesignFile<'_> {
-        let summary = hinge_report::summary(self.product.hinges());
-        DesignFile {
-            design: self.product.design(),
-            quality: self.quality,
-            stages: self.stages,
-            max_strain: summary.as_ref().map(|summary| summary.worst_strain.value),
-            provenance: Provenance { job: self.name, target: self.target, hashes: self.hashes },
-        }
-    }
-
-    /// The hash of `design.json` as it will be written.
-    ///
-    /// # Errors
-    /// A design that cannot be written.
-    pub fn design_hash(&self) -> Result<String, WriteError> {
-        let mut bytes = Vec::new();
-        design_json::write(&self.design_file(), &mut bytes)?;
-        Ok(fingerprint(&bytes))
-    }
-}
-
-/// What became of a run, in words: what was `done`, and how many hinges fail or are to be looked at.
-pub fn outcome(done: &str, hinges: &[HingeRow]) -> String {
-    let count = |verdict| hinges.iter().filter(|row| row.verdict == verdict).count();
-    let mut words = done.to_owned();
-    if count(Verdict::Fail) > 0 {
-        words += &format!(", with {} failing hinges", count(Verdict::Fail));
-    }
-    if count(Verdict::Warn) > 0 {
-        words += &format!(", with {} hinges to look at", count(Verdict::Warn));
-    }
-    words
-}
-
-/// How a sheet is cut; `None` where there is no sheet.
-///
-/// # Errors
-/// What the sheet has no room for.
-pub fn plan(
-    product: &Product,
-    profile: &Profile,
-    options: &CutOptions,
-    clock: &mut Clock,
-) -> Result<Option<CutPlan>, Failure> {
-    let Product::Sheet(sheet) = product else { return Ok(None) };
-    let plan = clock.run("plan", |_| cut_plan(sheet, profile, options));
-    plan.map(Some).map_err(|error| Failure::NotMakeable(error.to_string()))
-}
-
-/// What is printed of the cutting.
-pub fn cut_lines(plan: Option<&CutPlan>) -> String {
-    let lines = plan.iter().flat_map(|plan| plan.report.lines());
-    lines.map(|line| format!("  {line}\n")).collect()
-}
-
-/// The names of the files that are written.
-fn file_names(product: &Product, extras: Extras) -> Vec<String> {
-    let names: &[&str] = match product {
-        Product::Sheet(sheet) if sheet.design.sheet_state == Some(State::Open) => &OPEN_SHEET_FILES,
-        Product::Sheet(_) => &SHEET_FILES,
-        Product::Assembly(_) => &ASSEMBLY_FILES,
-    };
-    let mut names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-    if let Some((milled, _)) = extras.milled {
-        names.retain(|name| !CUT_FILES.contains(&name.as_str()));
-        names.splice(1..1, MILL_FILES.map(str::to_owned));
-        names.splice(1..1, milled.program.files.iter().map(|(name, _)| name.clone()));
-    }
-    names.extend(extras.moving.map(|_| MORPH.to_owned()));
-    names.extend(extras.snap.iter().flat_map(|_| SNAP_FILES.map(str::to_owned)));
-    names
-}
-
-/// What is said where a profile for a laser meets a design that no laser can cut from a sheet.
-pub fn no_cut_file(profile: &str) -> String {
-    format!(
-        "Neither state is flat, so there is no sheet to cut, no part.stl and no flat cut file, though the profile {profile} \
-         is for cutting sheets: it gives the thickness of the solids and the ligaments in the hinge report. The pieces are to be \
-         made one by one, and joined at their hinges. For a cut file give the job a flat closed or open target."
-    )
 }

@@ -13,7 +13,9 @@ const SPOILBOARD: f64 = 2.0;
 pub fn setup(milled: &Milled, results: &Results, machine: &Machine) -> String {
     let mut text = format!(
         "Set-up sheet: {}, profile {}, machine {}\n\n",
-        results.name, results.profile.name, machine.name
+        results.name(),
+        results.profile.name,
+        machine.name
     );
     for (label, value) in rows(milled, results, machine) {
         text += &format!("{label:<14} {value}\n");

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::check::{design_file, without_repeated};
 use super::progress::{Reporter, Reporting};
+use super::table::labelled;
 use super::{Failure, print};
 use crate::fabrication::hinge_table::planned_rows;
 use crate::output::whole_file::write_whole;
@@ -65,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let title = format!("{}, {}", file.display(), profile.name);
         write(path, |out| snap_report::write_plot(&snap, &title, out))?;
     }
-    print(&table(&snap_report::figures(&snap)));
+    print(&labelled(&snap_report::figures(&snap)));
     Ok(())
 }
 
@@ -76,9 +77,4 @@ fn has_ending(file: &Path, ending: &str) -> bool {
 fn write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
     write_whole(path, |out| write(out))
         .map_err(|error: io::Error| Failure::BadInput(format!("{}: {error}", path.display())))
-}
-
-fn table(figures: &[(String, String)]) -> String {
-    let width = figures.iter().map(|(label, _)| label.len()).max().unwrap_or(0);
-    figures.iter().map(|(label, value)| format!("  {label:<width$}  {value}\n")).collect()
 }

@@ -18,6 +18,12 @@ pub fn table<const N: usize>(headings: [&str; N], rows: &[[String; N]]) -> Strin
     text
 }
 
+/// Labels and values, indented, the values in one column.
+pub fn labelled<L: AsRef<str>>(rows: &[(L, String)]) -> String {
+    let width = rows.iter().map(|(label, _)| label.as_ref().len()).max().unwrap_or(0);
+    rows.iter().map(|(label, value)| format!("  {:<width$}  {value}\n", label.as_ref())).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

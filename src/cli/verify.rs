@@ -32,14 +32,17 @@ pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: boo
     }
     let Applied { profile, copies, tabs, mill } = applied(folder, profile)?;
     let shown = if all { usize::MAX } else { SHOWN };
+    let hash = fingerprint(&bytes);
     if let Some(told) = &mill {
         reporter.say("verify: milling on paper");
-        let hash = fingerprint(&bytes);
         let sheet = Sheet { design: &design, hash: &hash, profile: &profile, copies: &copies };
-        return verify_mill::run(folder, told, machine, &sheet, shown, reporter);
+        let (table, findings) = verify_mill::measured(folder, told, machine, &sheet)?;
+        drop(reporter);
+        print(&table);
+        let list = verify_mill::list(&findings, shown);
+        return judged(folder, findings.len(), "in the program; do not run it", &list);
     }
     let [dxf, svg] = [read(&folder.join("cut.dxf"))?, read(&folder.join("cut.svg"))?];
-    let hash = fingerprint(&bytes);
     let wanted =
         Wanted { design: &design, profile: &profile, hash: &hash, copies: &copies, tabs: tabs.as_ref() };
     reporter.say("verify: cutting on paper");
@@ -57,14 +60,17 @@ pub fn run(folder: &Path, profile: Option<&str>, machine: Option<&str>, all: boo
             verify::table(figures, wanted)
         ));
     }
-    match verified.faults.len() {
+    let list = verify::faults(&verified.faults, shown);
+    judged(folder, verified.faults.len(), "in the cut files; do not cut them", list.trim_end())
+}
+
+/// An error where there are faults: how many, where, and their list.
+fn judged(folder: &Path, count: usize, place: &str, list: &str) -> Result<(), Failure> {
+    let folder = folder.display();
+    match count {
         0 => Ok(()),
-        count => Err(Failure::NotMakeable(format!(
-            "{}: {count} fault{} in the cut files; do not cut them\n{}",
-            folder.display(),
-            if count == 1 { "" } else { "s" },
-            verify::faults(&verified.faults, shown).trim_end()
-        ))),
+        1 => Err(Failure::NotMakeable(format!("{folder}: 1 fault {place}\n{list}"))),
+        _ => Err(Failure::NotMakeable(format!("{folder}: {count} faults {place}\n{list}"))),
     }
 }
 

@@ -5,8 +5,7 @@ use std::path::Path;
 use kurbo::{Point, Vec2};
 use serde::Deserialize;
 
-use super::progress::Reporter;
-use super::{Failure, print};
+use super::Failure;
 use crate::fabrication::fabricate::ligament_lengths;
 use crate::fabrication::mechanics::pole_offset;
 use crate::geometry::mesh::TriMesh;
@@ -50,15 +49,16 @@ pub struct Sheet<'a> {
     pub copies: &'a [Vec2],
 }
 
-/// Prints what was measured; an error names what is wrong. `shown`: findings that are printed.
-pub fn run(
+/// What was measured, as text, and what is wrong.
+///
+/// # Errors
+/// Files that cannot be read or are another design's, a machine or profile that does not fit them.
+pub fn measured(
     folder: &Path,
     told: &Told,
     machine: Option<&str>,
     sheet: &Sheet,
-    shown: usize,
-    reporter: Reporter,
-) -> Result<(), Failure> {
+) -> Result<(String, Vec<Finding>), Failure> {
     let profile = sheet.profile;
     let Some(tool) = &profile.tool else {
         let says =
@@ -68,31 +68,7 @@ pub fn run(
     let machine = machine::load(machine.unwrap_or(&told.machine), Path::new(".")).map_err(|error| {
         Failure::BadInput(format!("{error}; if it is a file of yours, name it with --machine"))
     })?;
-    let mut files = Vec::new();
-    for name in &told.files {
-        // A name from a file is no path.
-        let plain = Path::new(name).file_name().is_some_and(|plain| plain.to_str() == Some(name));
-        let text = if plain {
-            read_regular(&folder.join(name))
-                .and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other))
-        } else {
-            Err(std::io::ErrorKind::InvalidInput.into())
-        };
-        let text = text.map_err(|error| {
-            Failure::BadInput(format!(
-                "{} cannot be read: {error}; make the files again",
-                folder.join(name).display()
-            ))
-        })?;
-        if !text.contains(sheet.hash) {
-            return Err(Failure::NotMakeable(format!(
-                "{}: was made from another design than design.json, whose hash is {}; make the files again",
-                folder.join(name).display(),
-                sheet.hash
-            )));
-        }
-        files.push((name.clone(), text));
-    }
+    let files = programs(folder, &told.files, sheet.hash)?;
     let part = copied(&part(folder)?, sheet.copies);
     let necks = necks(sheet, machine.follows_axes());
     let tabs: Vec<Tab> = told
@@ -112,23 +88,33 @@ pub fn run(
     };
     let (figures, findings) = measure(&files, told.first_run, &machine, &wanted)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", folder.display())))?;
-    drop(reporter);
-    print(&format!(
-        "{}: {} on {}\n{}",
-        folder.display(),
-        told.files.join(", "),
-        machine.name,
-        table(&figures)
-    ));
-    match findings.len() {
-        0 => Ok(()),
-        count => Err(Failure::NotMakeable(format!(
-            "{}: {count} fault{} in the program; do not run it\n{}",
-            folder.display(),
-            if count == 1 { "" } else { "s" },
-            list(&findings, shown)
-        ))),
-    }
+    let (names, folder) = (told.files.join(", "), folder.display());
+    Ok((format!("{folder}: {names} on {}\n{}", machine.name, table(&figures)), findings))
+}
+
+/// The files of the program, each with its name; they must be of the design whose hash this is.
+fn programs(folder: &Path, names: &[String], hash: &str) -> Result<Vec<(String, String)>, Failure> {
+    let read = |name: &String| {
+        let file = folder.join(name);
+        // A name from a file is no path.
+        let plain = Path::new(name).file_name().is_some_and(|plain| plain.to_str() == Some(name));
+        let text = if plain {
+            read_regular(&file).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other))
+        } else {
+            Err(std::io::ErrorKind::InvalidInput.into())
+        };
+        let text = text.map_err(|error| {
+            Failure::BadInput(format!("{} cannot be read: {error}; make the files again", file.display()))
+        })?;
+        if !text.contains(hash) {
+            return Err(Failure::NotMakeable(format!(
+                "{}: was made from another design than design.json, whose hash is {hash}; make the files again",
+                file.display()
+            )));
+        }
+        Ok((name.clone(), text))
+    };
+    names.iter().map(read).collect()
 }
 
 /// The finished part that the folder holds.
@@ -181,7 +167,8 @@ fn table(figures: &Figures) -> String {
     rows.into_iter().map(|(label, value)| format!("  {label:<14}  {value}\n")).collect()
 }
 
-fn list(findings: &[Finding], shown: usize) -> String {
+/// The first `shown` of what is wrong.
+pub fn list(findings: &[Finding], shown: usize) -> String {
     let mut lines: Vec<String> = findings.iter().take(shown).map(|finding| format!("  {finding}")).collect();
     if findings.len() > shown {
         lines.push(format!("  and {} more: add --all", findings.len() - shown));

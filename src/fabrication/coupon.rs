@@ -6,7 +6,6 @@
 
 use kurbo::{Point, Rect, Vec2};
 
-use super::error::FabricationError;
 use super::layout::{CutKind, CutLayout, CutPath, Note, PathVertex};
 use super::order::cutting_order;
 use crate::profile::Profile;
@@ -62,11 +61,28 @@ pub struct Coupon {
     pub size: [f64; 2],
 }
 
+/// The test coupon is larger than the sheet.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the coupon measures {width:.1} x {height:.1} mm, but the sheet leaves {room_x:.1} x {room_y:.1} mm between its \
+     margins: set the profile's sheet to a larger piece of the same stock"
+)]
+pub struct CouponTooLarge {
+    /// Size in x.
+    pub width: f64,
+    /// Size in y.
+    pub height: f64,
+    /// Room in x.
+    pub room_x: f64,
+    /// Room in y.
+    pub room_y: f64,
+}
+
 /// Draws the coupon for a profile, at the margins of its sheet.
 ///
 /// # Errors
 /// A sheet that is smaller than the coupon.
-pub fn coupon(profile: &Profile) -> Result<Coupon, FabricationError> {
+pub fn coupon(profile: &Profile) -> Result<Coupon, CouponTooLarge> {
     let (kerf, sheet) = (profile.cut.kerf, &profile.sheet);
     let origin = Point::new(sheet.margin + kerf, sheet.margin + kerf);
     let flap = FLAP.max(8.0 * profile.ligament.width);
@@ -79,7 +95,7 @@ pub fn coupon(profile: &Profile) -> Result<Coupon, FabricationError> {
     let [room_x, room_y] = [sheet.width, sheet.height].map(|side| side - 2.0 * (sheet.margin + kerf));
     if size[0] > room_x || size[1] > room_y {
         let (width, height) = (size[0], size[1]);
-        return Err(FabricationError::CouponTooLarge { width, height, room_x, room_y });
+        return Err(CouponTooLarge { width, height, room_x, room_y });
     }
     let outside = Rect::from_origin_size(origin, (size[0], size[1]));
     let [width, height] = size;

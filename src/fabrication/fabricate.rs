@@ -85,7 +85,7 @@ pub fn fabricate(
 }
 
 /// The hinge points on the sheet.
-pub(super) fn hinge_points(design: &Design) -> Vec<Point> {
+pub fn hinge_points(design: &Design) -> Vec<Point> {
     design.hinges.iter().map(|hinge| Point::new(hinge.point.x, hinge.point.y)).collect()
 }
 

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use super::fabricate::ligament_lengths;
 use super::mechanics::pole_offset;
 use crate::geometry::Vector3;
-use crate::kirigami::design::{Design, Hinge, State};
+use crate::kirigami::design::{Design, Hinge, PatternKind, State};
 use crate::profile::{Pole, Profile};
 
 /// Directions of two hinges at a corner, seen from its midpoint, that are opposite: the cosine of their angle.
@@ -21,18 +21,23 @@ pub fn is_even(profile: &Profile) -> bool {
     !profile.cut.ruled && profile.ligament.pole == Pole::Part(0.0)
 }
 
-/// Half the gap of each hinge, millimetres, in the order of [`Design::hinges`]; `None` where a hinge needs a ligament that
-/// the profile cannot make, and of designs that are not cut in their closed state.
+/// Half the gap of each hinge in the closed state, millimetres, in the order of [`Design::hinges`]; `None` where a hinge needs a
+/// ligament that the profile cannot make, of designs that are flat in neither state, and of those cut open without poles.
+///
+/// Sheets that are cut open have ligaments on the far sides of their hinge points (`open_sheet::gap`): so poles count the other
+/// way there, and no wall tapers between two hinges.
 ///
 /// Meant for hinges that one slit passes; where more slits meet at angles they do not taper.
 pub fn half_gaps(design: &Design, profile: &Profile) -> Option<Vec<f64>> {
-    if design.sheet_state != Some(State::Closed) {
-        return None;
-    }
     let lengths = ligament_lengths(design, profile).ok()?;
-    let tapers = tapers(design, profile);
+    let poles = profile.ligament.pole != Pole::Part(0.0) && design.pattern != PatternKind::Bistable;
+    let (tapers, towards) = match design.sheet_state? {
+        State::Closed => (tapers(design, profile), -1.0),
+        State::Open if poles => (vec![0.0; design.hinges.len()], 1.0),
+        State::Open => return None,
+    };
     let half = |(id, hinge): (usize, &Hinge)| {
-        0.5 * profile.hinge_gap() + tapers[id] - pole_offset(profile, lengths[id], hinge.angle)
+        0.5 * profile.hinge_gap() + tapers[id] + towards * pole_offset(profile, lengths[id], hinge.angle)
     };
     Some(design.hinges.iter().enumerate().map(half).collect())
 }

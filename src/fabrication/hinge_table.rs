@@ -105,7 +105,7 @@ pub fn hinge_rows(design: &Design, ligaments: &[MeasuredLigament], profile: &Pro
 /// the gap that this profile needs.
 fn is_exact(design: &Design, profile: &Profile, ligament: &MeasuredLigament) -> bool {
     let poles = match (design.pattern, design.sheet_state) {
-        (PatternKind::RotatingRectangles, Some(State::Closed)) => true,
+        (PatternKind::RotatingRectangles, Some(_)) => true,
         _ => ligament.pole_offset == 0.0,
     };
     let gap = design.sheet_state == Some(State::Open) || (design.gap - profile.hinge_gap()).abs() < 1e-6;

@@ -7,9 +7,15 @@
 
 use std::collections::BTreeMap;
 
+use kurbo::Point;
+
+use crate::fabrication::layout::CutPath;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, Hinge, PatternKind, Piece, State};
 use crate::profile::{Beam, Cut, Ligament, Machine, Material, Pole, Process, Profile, Shape, Sheet};
+
+/// Rounding of coordinates of some 100 mm through a few dozen operations.
+pub const ROUNDING: f64 = 1e-9;
 
 /// A lattice sheet.
 #[derive(Debug, Clone, Copy)]
@@ -207,6 +213,25 @@ fn hinge_vertices_coincide_in_both_states() {
             // Rounding of coordinates below 100 mm.
             assert!((j.closed[v] - k.closed[w]).norm() < 1e-12);
             assert!((j.open[v] - k.open[w]).norm() < 1e-11, "{hinge:?}");
+        }
+    }
+}
+
+/// A motion of the sheet: a turn by 0.7 radians and a shift.
+pub fn turn(x: f64, y: f64) -> [f64; 2] {
+    let (sin, cos) = 0.7_f64.sin_cos();
+    [cos * x - sin * y + 3.0, sin * x + cos * y - 40.0]
+}
+
+/// Asserts that cuts are others after a motion of the sheet, up to rounding.
+pub fn assert_moved(before: &[CutPath], after: &[CutPath], motion: impl Fn(f64, f64) -> [f64; 2]) {
+    assert_eq!(before.len(), after.len());
+    for (a, b) in before.iter().zip(after) {
+        assert_eq!((a.kind, a.vertices.len()), (b.kind, b.vertices.len()));
+        for (p, q) in a.vertices.iter().zip(&b.vertices) {
+            let [x, y] = motion(p.point.x, p.point.y);
+            assert!(q.point.distance(Point::new(x, y)) < ROUNDING);
+            assert!((p.bulge - q.bulge).abs() < ROUNDING);
         }
     }
 }

@@ -6,8 +6,6 @@ mod symmetry;
 
 use std::f64::consts::PI;
 
-use kurbo::Point;
-
 use super::closed_sheet::cuts::CutSet;
 use super::closed_sheet::cuts_of;
 use super::closed_sheet::ligament::measure_ligaments;
@@ -18,14 +16,11 @@ use super::hinge_table::Verdict;
 use super::layout::{CutKind, CutPath};
 use super::ligament::MeasuredLigament;
 use super::outline::area;
-use super::test_sheet::{TestSheet, profile, sheets};
+use super::test_sheet::{ROUNDING, TestSheet, assert_moved, profile, sheets, turn};
 use super::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
 use crate::profile::{Pole, Profile};
-
-/// Rounding of coordinates of some 100 mm through a few dozen operations.
-const ROUNDING: f64 = 1e-9;
 
 fn made(sheet: &TestSheet, phi: f64) -> Fabrication {
     let design = sheet.design(phi);

@@ -10,9 +10,15 @@ use rstar::{AABB, PointDistance, RTree, RTreeObject};
 /// A triangle mesh prepared for nearest-point queries.
 pub struct ClosestPoints {
     mesh: TriMesh,
+    /// Unit normals of the vertices.
     vertex_normals: Vec<Vector3>,
     tree: RTree<IndexedTriangle>,
+    /// Points nearer than this to the mesh have few triangles about them.
+    near: f64,
 }
+
+/// A point is near where it is within so many edges of average length.
+const NEAR: f64 = 2.0;
 
 /// The point of a mesh nearest to a query point.
 #[derive(Debug, Clone, Copy)]
@@ -36,8 +42,8 @@ impl RTreeObject for IndexedTriangle {
     type Envelope = AABB<[f64; 3]>;
 
     fn envelope(&self) -> Self::Envelope {
-        let coordinates: Vec<[f64; 3]> = self.corners.iter().map(|p| [p.x, p.y, p.z]).collect();
-        AABB::from_points(&coordinates)
+        let [a, b, c] = &self.corners;
+        AABB::from_corners(a.inf(b).inf(c).into(), a.sup(b).sup(c).into())
     }
 }
 
@@ -59,11 +65,18 @@ impl ClosestPoints {
             let normal = (b - a).cross(&(c - a));
             face.iter().for_each(|&v| vertex_normals[v] += normal);
         }
-        let triangles = mesh.faces.iter().enumerate();
-        let tree = RTree::bulk_load(
-            triangles.map(|(index, face)| IndexedTriangle { index, corners: corners_of(face) }).collect(),
-        );
-        Self { mesh, vertex_normals, tree }
+        vertex_normals.iter_mut().for_each(|normal| *normal = normal.normalize());
+        let triangles: Vec<IndexedTriangle> = mesh
+            .faces
+            .iter()
+            .enumerate()
+            .map(|(index, face)| IndexedTriangle { index, corners: corners_of(face) })
+            .collect();
+        let perimeters = triangles.iter().map(|IndexedTriangle { corners: [a, b, c], .. }| {
+            (b - a).norm() + (c - b).norm() + (a - c).norm()
+        });
+        let near = NEAR * perimeters.sum::<f64>() / (3 * triangles.len()).max(1) as f64;
+        Self { vertex_normals, tree: RTree::bulk_load(triangles), near, mesh }
     }
 
     /// The mesh that the answers refer to.
@@ -77,9 +90,40 @@ impl ClosestPoints {
     /// If the mesh has no triangle: a broken invariant of the caller.
     pub fn closest(&self, query: &Point3) -> Closest {
         let found = self.tree.nearest_neighbor(&[query.x, query.y, query.z]).expect("a mesh with triangles");
+        self.point_of(found, query)
+    }
+
+    /// The nearest point of the mesh, sooner found where `guess`, a triangle, is near it: at the query's last place, say. The
+    /// guess does not change the answer.
+    ///
+    /// # Panics
+    /// If the mesh has no such triangle.
+    pub fn closest_from(&self, query: &Point3, guess: usize) -> Closest {
+        let corners = self.mesh.faces[guess].map(|v| self.mesh.vertices[v]);
+        let guess = IndexedTriangle { index: guess, corners };
+        let query_array = [query.x, query.y, query.z];
+        let mut bound = guess.distance_2(&query_array).sqrt();
+        if bound > self.near {
+            let found = self.tree.nearest_neighbor(&query_array).expect("a mesh with triangles");
+            bound = found.distance_2(&query_array).sqrt();
+            if bound > self.near {
+                return self.point_of(found, query);
+            }
+        }
+        // Of triangles that are equally near the first counts, so all of them have to be met: a little farther than rounding.
+        let reach = Vector3::repeat(bound + 1e-12 * (bound + self.near));
+        let place = AABB::from_corners((query - reach).into(), (query + reach).into());
+        let around = self.tree.locate_in_envelope_intersecting(&place);
+        let measured = around.map(|triangle| (triangle.distance_2(&query_array), triangle));
+        let nearest = measured.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index)));
+        self.point_of(nearest.map_or(&guess, |(_, found)| found), query)
+    }
+
+    /// The point of a triangle that is nearest to the query.
+    fn point_of(&self, found: &IndexedTriangle, query: &Point3) -> Closest {
         let barycentric = closest_in_triangle(query, &found.corners);
         let face = self.mesh.faces[found.index];
-        let smooth: Vector3 = (0..3).map(|i| self.vertex_normals[face[i]].normalize() * barycentric[i]).sum();
+        let smooth: Vector3 = (0..3).map(|i| self.vertex_normals[face[i]] * barycentric[i]).sum();
         let [a, b, c] = found.corners;
         let flat = (b - a).cross(&(c - a)).normalize();
         // Vertex normals may cancel at a sharp fold; the face's own normal is right there.
@@ -181,6 +225,11 @@ mod tests {
             // Samples are 1/40 of an edge (at most 2) apart.
             assert!(sampled - distance < 0.05, "{distance} {sampled}");
             assert!((found.barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            for guess in 0..faces.len() {
+                let guessed = index.closest_from(&query, guess);
+                assert!(((guessed.point - query).norm() - distance).abs() < 1e-14, "{guess}");
+                assert_eq!(guessed.triangle, index.closest_from(&query, 0).triangle);
+            }
             assert!((found.normal.norm() - 1.0).abs() < 1e-12 && found.normal.z > 0.0);
         }
     }

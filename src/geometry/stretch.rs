@@ -74,7 +74,7 @@ impl Gradients {
 }
 
 /// A face laid into the plane: its first corner at the origin, its second on the x axis.
-fn laid_out(mesh: &TriMesh, face: &[usize; 3]) -> [Point2; 3] {
+pub fn laid_out(mesh: &TriMesh, face: &[usize; 3]) -> [Point2; 3] {
     let [a, b, c] = face.map(|v| mesh.vertices[v]);
     let (ab, ac) = (b - a, c - a);
     let length = ab.norm();

@@ -2,7 +2,7 @@
 
 use toml::Spanned;
 
-use super::read::RawPattern;
+use super::pattern::RawPattern;
 use super::{Shape, Target};
 use crate::kirigami::bistable::cell::{BistableCell, Miss};
 use crate::toml_source::{Limits, TomlError, TomlSource};

@@ -1,8 +1,6 @@
 //! How a job wants its sheet cut: keys of `[fabrication]`.
 
-use toml::Spanned;
-
-use super::read::{RawFabrication, choice, dxf_version, override_kerf, override_sheet};
+use super::fabrication::{RawFabrication, dxf_version, override_kerf, override_sheet};
 use crate::fabrication::plan::{CutOptions, CutOrder, LeadShape, Leads, Pierce, TabWish};
 use crate::output::dxf::DxfVersion;
 use crate::profile::Profile;
@@ -29,7 +27,7 @@ pub(super) fn cut_options(
 ) -> Result<CutOptions, TomlError> {
     let mut options = CutOptions::default();
     if let Some(value) = &raw.copies {
-        options.copies = count(source, value, &COPIES)?;
+        options.copies = source.count(value, &COPIES)?;
     }
     if let Some(value) = &raw.spacing_mm {
         options.spacing = source.number(value, &SPACING)?;
@@ -40,17 +38,17 @@ pub(super) fn cut_options(
         }
     }
     if let Some(value) = &raw.passes {
-        options.passes = count(source, value, &PASSES)?;
+        options.passes = source.count(value, &PASSES)?;
     }
     let places = [("slit-end", Pierce::SlitEnd), ("mid-slit", Pierce::MidSlit), ("scrap", Pierce::Scrap)];
-    options.pierce = choice(source, raw.pierce.as_ref(), &places)?.unwrap_or(options.pierce);
+    options.pierce = source.optional_word(raw.pierce.as_ref(), &places)?.unwrap_or(options.pierce);
     if let (Pierce::MidSlit, Some(value)) = (options.pierce, &raw.pierce)
         && dxf_version(source, raw)? == DxfVersion::R12
     {
         let help = "an R12 file holds lines, not paths, so the two halves of a slit would be read as one; take dxf = \"r2000\"";
         return Err(source.value_error(value.span(), "not possible with dxf = \"r12\"", help));
     }
-    let heat = choice(source, raw.order.as_ref(), &[("travel", false), ("heat", true)])? == Some(true);
+    let heat = source.optional_word(raw.order.as_ref(), &[("travel", false), ("heat", true)])? == Some(true);
     let cool = source.optional(raw.cool_s.as_ref(), &COOL)?;
     let within = source.optional(raw.cool_mm.as_ref(), &COOL_WITHIN)?;
     if heat {
@@ -68,7 +66,7 @@ pub(super) fn cut_options(
 fn leads(source: &TomlSource, raw: &RawFabrication, pierce: Pierce) -> Result<Option<Leads>, TomlError> {
     let shapes = [("none", None), ("line", Some(LeadShape::Line)), ("arc", Some(LeadShape::Arc))];
     let length = source.optional(raw.lead_mm.as_ref(), &LEAD)?.unwrap_or(LEAD_DEFAULT);
-    let shape = match (choice(source, raw.leads.as_ref(), &shapes)?, &raw.leads) {
+    let shape = match (source.optional_word(raw.leads.as_ref(), &shapes)?, &raw.leads) {
         (Some(None), Some(value)) if pierce == Pierce::Scrap => {
             let help = "the beam comes from scrap by a lead: \"line\" or \"arc\"; or take another pierce";
             return Err(source.value_error(value.span(), "not possible with pierce = \"scrap\"", help));
@@ -91,7 +89,7 @@ fn tabs(source: &TomlSource, raw: &RawFabrication, profile: &Profile) -> Result<
         return Err(source.value_error(value.span(), &what, "what stands between two grooves burns away"));
     }
     let Some(value) = &raw.tabs else { return Ok(None) };
-    Ok(Some(TabWish { count: count(source, value, &TABS)?, width }))
+    Ok(Some(TabWish { count: source.count(value, &TABS)?, width }))
 }
 
 /// A file's name without its ending.
@@ -111,9 +109,4 @@ pub fn cut_keys(text: &str, profile: &mut Profile) -> Result<(DxfVersion, CutOpt
     override_kerf(&source, &raw, profile)?;
     override_sheet(&source, &raw, profile)?;
     Ok((dxf_version(&source, &raw)?, cut_options(&source, &raw, profile)?))
-}
-
-fn count(source: &TomlSource, value: &Spanned<i64>, limits: &Limits) -> Result<usize, TomlError> {
-    // Beyond 2^53 the conversion rounds, far outside of the limits.
-    Ok(source.number(&Spanned::new(value.span(), *value.get_ref() as f64), limits)? as usize)
 }

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use super::read::RawFabrication;
+use super::fabrication::RawFabrication;
 use super::{DEFAULT_MACHINE, JobError};
-use crate::machine::profile::MachineFileError;
 use crate::machine::{self, Machine};
 use crate::profile::{Process, Profile};
-use crate::toml_source::TomlSource;
+use crate::toml_source::{ShelfError, TomlSource};
 
 /// The machine of a sheet that is milled.
 pub(super) fn machine(
@@ -28,7 +27,7 @@ pub(super) fn machine(
         (None, Process::Milling) => machine::load(DEFAULT_MACHINE, folder).map(Some).map_err(faulty),
         (Some(name), Process::Milling) => match machine::load(name.get_ref(), folder) {
             Ok(machine) => Ok(Some(machine)),
-            Err(MachineFileError::UnknownName { known, .. }) => {
+            Err(ShelfError::UnknownName { known, .. }) => {
                 let help = format!("there are {}; or give the path of a TOML file", known.join(", "));
                 Err(source.value_error(name.span(), "not the name of a machine", help).into())
             }

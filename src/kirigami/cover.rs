@@ -17,6 +17,8 @@ mod tests;
 mod trimmed;
 
 use frame::Frame;
+
+pub use frame::stretched;
 use trimmed::trimmed;
 
 /// What the user asks of the grid.

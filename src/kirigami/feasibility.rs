@@ -166,12 +166,6 @@ pub fn opening_of([m1, m2]: [f64; 2]) -> Option<(f64, f64)> {
     if sine == 0.0 { Some((0.0, 1.0)) } else { Some((turn, (m1 - cosine) / sine)) }
 }
 
-/// The stretches `m1`, `m2` of pieces with side ratio `r` that turn by `t` radians: the inverse of
-/// [`opening_of`].
-pub fn stretches_of(t: f64, r: f64) -> [f64; 2] {
-    [t.cos() + r * t.sin(), t.cos() + t.sin() / r]
-}
-
 /// The scales for which turning rectangles reach the stretches: least and greatest. The least exceeds the
 /// greatest where none does.
 fn scales([m1, m2]: [f64; 2]) -> [f64; 2] {
@@ -232,6 +226,12 @@ mod tests {
     use super::*;
     use crate::geometry::Vector2;
     use std::f64::consts::FRAC_PI_4;
+
+    /// The stretches `m1`, `m2` of pieces with side ratio `r` that turn by `t` radians: the inverse of
+    /// [`opening_of`].
+    fn stretches_of(t: f64, r: f64) -> [f64; 2] {
+        [t.cos() + r * t.sin(), t.cos() + t.sin() / r]
+    }
 
     #[test]
     fn openings_and_stretches_are_inverse() {

@@ -26,6 +26,15 @@ pub const COARSEST: usize = 400;
 /// The same of bistable cells, each of which has three pieces: larger ones do not follow what smaller ones can.
 pub const COARSEST_CELLS: usize = 900;
 
+/// What Stage 3 begins from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beginning {
+    /// Model pieces on control meshes: much is to be found.
+    Model,
+    /// A pattern of larger pieces: only details are.
+    Coarser,
+}
+
 /// A kind of pattern: what the way from coarse to fine has to know of it.
 pub trait Family {
     /// A pattern over a grid.
@@ -37,20 +46,19 @@ pub trait Family {
     /// The pattern of control meshes.
     fn start(&self, level: &Level, control: &ControlMesh) -> Self::Pattern;
 
-    /// Stage 3. Border points are held to where they are in `border`; a `refined` start comes from a pattern of larger
-    /// pieces. Returns the pattern with one report per phase.
+    /// Stage 3. Border points are held to where they are in `border`. Returns the pattern with one report per phase.
     fn stage3(
         &self,
         level: &Level,
         start: Self::Pattern,
         border: &Self::Pattern,
-        refined: bool,
+        beginning: Beginning,
         name: &str,
         run: &mut Run,
     ) -> (Self::Pattern, Vec<Report>);
 
     /// Most steps of Stage 3 on a level.
-    fn most_steps(&self, level: &Level, refined: bool) -> usize;
+    fn most_steps(&self, level: &Level, beginning: Beginning) -> usize;
 
     /// How far the pattern over a grid has moved since `first`.
     fn displacement(&self, cover: &Cover, first: &Self::Pattern, pattern: &Self::Pattern) -> Displacement;
@@ -63,7 +71,7 @@ pub trait Family {
         pattern: Self::Pattern,
         halves: &[f64],
         run: &mut Run,
-    ) -> (Self::Pattern, Report);
+    ) -> (Self::Pattern, Vec<Report>);
 
     /// The pieces and hinges of a pattern.
     fn design(&self, level: &Level, pattern: &Self::Pattern) -> Design;
@@ -120,16 +128,16 @@ impl<F: Family> Climb<'_, F> {
         for (number, level) in self.levels.iter().enumerate() {
             let map = stage1(&level.cover, self.layouts);
             let first = self.family.start(level, &map);
-            let (control, refined) = match (model.take(), &done) {
+            let (control, beginning) = match (model.take(), &done) {
                 (None, Some(below)) if is_sound(&reports) => {
-                    (self.refined(below, &map, &level.cover), number > 0)
+                    (self.refined(below, &map, &level.cover), Beginning::Coarser)
                 }
-                (Some(control), _) => (control, false),
+                (Some(control), _) => (control, Beginning::Model),
                 _ => {
                     let name = format!("stage-2/{number}");
                     let (control, report) = self.family.stage2(level, &map, &name, run);
                     reports.push(report);
-                    (control, false)
+                    (control, Beginning::Model)
                 }
             };
             let begin = self.family.start(level, &control);
@@ -139,7 +147,7 @@ impl<F: Family> Climb<'_, F> {
             let watch = &mut |step: &Step| (run.watch)(&Step { later: step.later + later, ..*step });
             let mut run = Run { journal: run.journal, watch };
             let name = format!("stage-3/{number}");
-            let (pattern, more) = self.family.stage3(level, begin, &border, refined, &name, &mut run);
+            let (pattern, more) = self.family.stage3(level, begin, &border, beginning, &name, &mut run);
             reports.extend(more);
             done = Some(Done { number, first, pattern });
             if reports.last().is_some_and(|report| report.termination == Termination::Interrupted) {
@@ -169,12 +177,11 @@ impl<F: Family> Climb<'_, F> {
             let Some(halves) = halves(&self.family.design(level, &pattern)) else { break };
             let later = (SPACING_ROUNDS - 1 - round) * phases::hard().options.iterations;
             let watch = &mut |step: &Step| (run.watch)(&Step { phase: round, later, ..*step });
-            let report;
-            (pattern, report) =
+            let more;
+            (pattern, more) =
                 self.family.space(level, pattern, &halves, &mut Run { journal: run.journal, watch });
-            let interrupted = report.termination == Termination::Interrupted;
-            reports.push(report);
-            if interrupted {
+            reports.extend(more);
+            if reports.last().is_some_and(|report| report.termination == Termination::Interrupted) {
                 break;
             }
         }
@@ -184,7 +191,8 @@ impl<F: Family> Climb<'_, F> {
     /// Most steps of Stage 3 on this level and all finer ones.
     fn most_steps_from(&self, number: usize) -> usize {
         let levels = self.levels.iter().enumerate().skip(number);
-        levels.map(|(i, level)| self.family.most_steps(level, i > 0)).sum()
+        let beginning = |i| if i > 0 { Beginning::Coarser } else { Beginning::Model };
+        levels.map(|(i, level)| self.family.most_steps(level, beginning(i))).sum()
     }
 
     /// The start of a level: its Stage 1 map, displaced as the pattern of a coarser level is.

@@ -3,7 +3,7 @@
 
 use nalgebra::{Unit, Vector3};
 
-use super::profile::{Machine, load, names};
+use super::profile::{Machine, Output, load, names};
 use super::program::Header;
 use crate::geometry::Point3;
 use crate::milling::toolpath::{Block, Contour, Kind, Pose, Rate, Run, Toolpath};
@@ -88,4 +88,9 @@ pub(super) fn slots() -> Toolpath {
 /// What a machine can take of these.
 pub(super) fn slots_for(machine: &Machine) -> Toolpath {
     if machine.rotary.is_some() { slots() } else { tilted_slots(0.0) }
+}
+
+/// A copy with other digits and no split: the test of what rounding costs.
+pub(super) fn with_decimals(machine: &Machine, decimals: usize, angle_decimals: usize) -> Machine {
+    Machine { output: Output { decimals, angle_decimals, ..machine.output.clone() }, ..machine.clone() }
 }

@@ -37,6 +37,7 @@ pub mod folder;
 pub mod glb;
 
 use crate::fabrication::layout::CutKind;
+use crate::profile::Profile;
 
 /// How a layer is called and drawn in machine files.
 struct Layer {
@@ -81,4 +82,17 @@ fn plain_line(text: &str) -> String {
         c => c,
     };
     text.chars().map(plain).collect()
+}
+
+/// What the pages of a result have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct Heading<'a> {
+    /// The job's name, or the design's.
+    pub name: &'a str,
+    /// The name of its target, or of both.
+    pub target: &'a str,
+    /// For which it was laid out.
+    pub profile: &'a Profile,
+    /// Key figures: label and value with its unit, in the order of importance.
+    pub figures: &'a [(String, String)],
 }

@@ -21,7 +21,7 @@ use svg::Document;
 use svg::node::element::{Group, Rectangle, Title};
 
 use super::layout_fault::{self, LayoutFault};
-use super::plain_line;
+use super::{Heading, plain_line};
 use crate::fabrication::fabricate::Fabrication;
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
 use crate::geometry::Point3;
@@ -36,18 +36,12 @@ use tables::HingeClass;
 pub struct Preview<'a> {
     /// The checked sheet, its design in sheet coordinates.
     pub fabrication: &'a Fabrication,
-    /// The job's name.
-    pub title: &'a str,
-    /// The profile's name.
-    pub profile: &'a str,
-    /// The target's name.
-    pub target: &'a str,
+    /// What it is called, and its figures.
+    pub heading: Heading<'a>,
     /// What the sheet is made from instead of this picture.
     pub made_from: &'a str,
     /// What makes the groove as wide as it is: the kerf or the tool.
     pub groove: &'a str,
-    /// Key figures: label and value with its unit, in the order of importance.
-    pub figures: &'a [(String, String)],
 }
 
 /// Why no preview was written.
@@ -119,17 +113,18 @@ pub fn write<W: Write>(preview: &Preview<'_>, mut out: W) -> Result<(), WritePre
         groove: preview.groove,
         simplified: preview.fabrication.design.pieces.len() > DETAILED_PIECES,
     };
+    let heading = preview.heading;
     let subtitle = format!(
         "target {}   |   profile {}   |   a picture to look at, not to cut from: {}",
-        preview.target, preview.profile, preview.made_from
+        heading.target, heading.profile.name, preview.made_from
     );
-    let document = empty_page(preview.title)
-        .add(header(preview.title, &subtitle, &preview.fabrication.hinges))
+    let document = empty_page(heading.name)
+        .add(header(heading.name, &subtitle, &preview.fabrication.hinges))
         .add(sheet::panel(&scene, SHEET))
         .add(tables::legend(&scene, LEGEND))
         .add(space::panel(&scene, SPACE))
         .add(detail::panel(&scene, DETAIL))
-        .add(tables::figures(preview.figures, FIGURES))
+        .add(tables::figures(heading.figures, FIGURES))
         .add(tables::hinges(&preview.fabrication.hinges, &scene.worst, HINGES));
     ::svg::write(&mut out, &document)?;
     out.write_all(b"\n")?;

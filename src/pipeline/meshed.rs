@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::aims::{Aim, Aims, Outline, surface};
 use super::error::PipelineError;
-use super::stage1::{Aim, Aims, Begun, MOST_OPENING, Outline, begun, middle_to_middle, surface};
+use super::stage1::{Begun, MOST_OPENING, begun, middle_to_middle};
 use super::surfaces::{TargetMesh, Targets, first_axis};
 use crate::geometry::boundary::BoundaryCurve;
 use crate::geometry::closest::ClosestPoints;

@@ -11,70 +11,20 @@
 //! | mesh | mesh | the open target laid flat | lifted into the closed target laid flat likewise | lifted |
 //! | any, variable opening | mesh | the closed sheet | as it is, or lifted | lifted |
 
+use super::aims::{Aim, Aims, Outline, surface};
 use super::error::PipelineError;
 use super::meshed::{aligned, from_file};
 use super::surfaces::{LaidFlat, TargetMesh, Targets, first_axis};
-use crate::geometry::closest::ClosestPoints;
 use crate::geometry::flatten::{Flattening, conformal_points};
 use crate::geometry::mesh::TriMesh;
 use crate::geometry::{Point2, Vector2};
 use crate::job::{Grid, Job, Kind, Opening, Shape};
 use crate::kirigami::bistable::grid::cover_cells;
-use crate::kirigami::control_mesh::{Goal, Goals, Layout, Layouts, LinearMap, Target};
-use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis};
+use crate::kirigami::control_mesh::{Layout, Layouts, LinearMap};
+use crate::kirigami::cover::{Cover, CoverError, ModelCell, PieceSize, cover, grid_axis, stretched};
 use crate::kirigami::design::State;
 use crate::kirigami::levels::{COARSEST, COARSEST_CELLS, Level};
 use crate::solver;
-
-/// What a state is to become, with what that needs.
-pub(super) enum Aim {
-    /// A flat sheet.
-    Plane,
-    /// A surface, border to boundary or only lying in it.
-    Surface(Box<Target>, Outline),
-    /// Whatever its pieces make of it.
-    Free,
-}
-
-/// Whether the border of the sheet is held to the boundary of a surface.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Outline {
-    Held,
-    Left,
-}
-
-impl Aim {
-    fn goal(&self) -> Goal<'_> {
-        match self {
-            Self::Plane => Goal::Plane,
-            Self::Surface(target, outline) => Goal::Surface { target, outline: *outline == Outline::Held },
-            Self::Free => Goal::Free,
-        }
-    }
-}
-
-/// What both states are to become.
-pub(super) struct Aims {
-    pub closed: Aim,
-    pub open: Aim,
-}
-
-impl Aims {
-    pub fn goals(&self) -> Goals<'_> {
-        Goals { closed: self.closed.goal(), open: self.open.goal(), guides: &[] }
-    }
-}
-
-impl Aims {
-    /// The surfaces, with the states that are to become them.
-    pub fn surfaces(self) -> Vec<(State, ClosestPoints)> {
-        let surface = |(state, aim)| match aim {
-            Aim::Surface(target, _) => Some((state, target.surface)),
-            _ => None,
-        };
-        [(State::Closed, self.closed), (State::Open, self.open)].into_iter().filter_map(surface).collect()
-    }
-}
 
 /// Where Stages 2 and 3 begin.
 pub(super) struct Begun {
@@ -107,11 +57,6 @@ pub(super) fn begin(job: &Job, targets: Targets) -> Result<Begun, PipelineError>
         (Some(closed), Some(open)) => between(job, size, closed, open),
         (None, None) => unreachable!("the job reader asks for a mesh"),
     }
-}
-
-/// A target as what a state is to become.
-pub(super) fn surface(target: TargetMesh, outline: Outline) -> Aim {
-    Aim::Surface(Box::new(Target::new(target.mesh, &target.cycle)), outline)
 }
 
 /// A flat closed sheet that opens to a surface.
@@ -163,12 +108,6 @@ fn closing(job: &Job, size: PieceSize, closed: TargetMesh) -> Result<Begun, Pipe
 
 /// Rounds in which the size of the open sheet is found.
 const ROUNDS: usize = 4;
-
-/// A point, with its coordinates along and across an axis multiplied.
-fn stretched(p: &Point2, axis: &Vector2, [along, across]: [f64; 2]) -> Point2 {
-    let normal = Vector2::new(-axis.y, axis.x);
-    Point2::from(axis * (along * p.coords.dot(axis)) + normal * (across * p.coords.dot(&normal)))
-}
 
 /// Two surfaces. The open one decides where the border lies; the closed sheet may cover a part of its target.
 fn between(job: &Job, size: PieceSize, closed: TargetMesh, open: TargetMesh) -> Result<Begun, PipelineError> {

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use thiserror::Error;
-
 use super::{Profile, read};
-use crate::toml_source::{Shelf, TomlError, TomlFile};
+use crate::toml_source::{Shelf, ShelfError, TomlFile};
 
 /// The profiles inside the program, by name, sorted.
 pub(super) const EMBEDDED: [(&str, &str); 4] = [
@@ -17,22 +15,6 @@ pub(super) const EMBEDDED: [(&str, &str); 4] = [
 
 /// The folder beside the user's work whose files go before the embedded ones.
 const USER_FOLDER: &str = "profiles";
-
-/// A profile could not be had.
-#[derive(Debug, Error)]
-pub enum ProfileError {
-    /// No profile has this name.
-    #[error("no profile is called \"{name}\"; there are {}; or give the path of a TOML file", known.join(", "))]
-    UnknownName {
-        /// The name asked for.
-        name: String,
-        /// The names that exist.
-        known: Vec<String>,
-    },
-    /// The file cannot be read or breaks a rule.
-    #[error(transparent)]
-    Toml(#[from] TomlError),
-}
 
 /// The profiles inside the program, sorted by name.
 pub fn embedded() -> Vec<Profile> {
@@ -47,7 +29,7 @@ pub fn embedded() -> Vec<Profile> {
 ///
 /// # Errors
 /// Nothing by that name, an unreadable file, or a profile that breaks a rule.
-pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Profile, ProfileError> {
+pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Profile, ShelfError> {
     load_with(name_or_path, base_dir, Path::new(USER_FOLDER))
 }
 
@@ -55,8 +37,8 @@ pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Profile, ProfileError
 ///
 /// # Errors
 /// Nothing by that name, or an unreadable file.
-pub fn source(name_or_path: &str, base_dir: &Path) -> Result<TomlFile, ProfileError> {
-    source_with(name_or_path, base_dir, Path::new(USER_FOLDER))
+pub fn source(name_or_path: &str, base_dir: &Path) -> Result<TomlFile, ShelfError> {
+    shelf(Path::new(USER_FOLDER)).find(name_or_path, base_dir)
 }
 
 /// The names that [`load`] knows: embedded and in the folder `profiles` of the working directory, sorted.
@@ -68,15 +50,9 @@ pub(super) fn load_with(
     name_or_path: &str,
     base_dir: &Path,
     user_folder: &Path,
-) -> Result<Profile, ProfileError> {
-    let file = source_with(name_or_path, base_dir, user_folder)?;
+) -> Result<Profile, ShelfError> {
+    let file = shelf(user_folder).find(name_or_path, base_dir)?;
     Ok(read::parse(&file.text, &file.name, &file.label)?)
-}
-
-fn source_with(name: &str, base_dir: &Path, user_folder: &Path) -> Result<TomlFile, ProfileError> {
-    shelf(user_folder)
-        .find(name, base_dir)?
-        .ok_or_else(|| ProfileError::UnknownName { name: name.to_owned(), known: names_with(user_folder) })
 }
 
 pub(super) fn names_with(user_folder: &Path) -> Vec<String> {

@@ -10,7 +10,7 @@ mod machine;
 mod read;
 mod tool;
 
-pub use load::{ProfileError, embedded, load, names, source};
+pub use load::{embedded, load, names, source};
 pub use machine::Machine;
 pub use read::parse;
 pub(crate) use read::{KERF, SHEET_SIDE};

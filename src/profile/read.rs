@@ -169,14 +169,8 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Profile, TomlError> {
         ));
     }
     let raw: RawProfile = source.parse()?;
-    let process = match raw.process.get_ref().as_str() {
-        "laser" => Process::Laser,
-        "milling" => Process::Milling,
-        _ => {
-            let what = "not supported: allowed is \"laser\", \"milling\"";
-            return Err(source.value_error(raw.process.span(), what, "what cuts the sheet"));
-        }
-    };
+    let words = [("laser", Process::Laser), ("milling", Process::Milling)];
+    let process = source.word(&raw.process, &words, "what cuts the sheet")?;
     let sheet = sheet(&source, &raw.sheet)?;
     let thickness = sheet.thickness;
     let profile = Profile {

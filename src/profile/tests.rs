@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use super::load::{EMBEDDED, load_with, names_with};
 use super::*;
-use crate::toml_source::{Diagnostic, TomlError, corruption};
+use crate::toml_source::{Diagnostic, ShelfError, TomlError, corruption};
 
 const NOWHERE: &str = "no-such-folder";
 
@@ -267,7 +267,7 @@ fn names_are_found_in_the_users_folder_first_and_paths_beside_the_base() {
     assert!(load_with("profiles/bad.toml", &folder, &user).unwrap_err().to_string().contains("bad.toml:1"));
     assert!(matches!(
         load_with("absent.toml", &folder, &user),
-        Err(ProfileError::Toml(TomlError::Read { .. }))
+        Err(ShelfError::Toml(TomlError::Read { .. }))
     ));
     let message = load_with("steel", &folder, &user).unwrap_err().to_string();
     assert!(

@@ -1,7 +1,7 @@
 //! How the triangles of a surface hang together, and how directions pass from one to the next.
 
-use super::map::laid_out;
 use crate::geometry::mesh::TriMesh;
+use crate::geometry::stretch::laid_out;
 use nalgebra::Complex;
 use std::collections::BTreeMap;
 

@@ -1,10 +1,10 @@
 //! A map between two surfaces, triangle by triangle: what it stretches, and where.
 
 use super::RemeshError;
+use crate::geometry::Vector3;
 use crate::geometry::mesh::{PolyMesh, TriMesh};
-use crate::geometry::stretch::{Gradients, PlaneMap};
+use crate::geometry::stretch::{Gradients, PlaneMap, laid_out};
 use crate::geometry::topology::check_disk;
-use crate::geometry::{Point2, Point3, Vector3};
 use nalgebra::Complex;
 
 /// A map from a closed state to an open one: two meshes with the same triangles, both disks.
@@ -62,15 +62,6 @@ impl SurfaceMap {
         Ok(Self { closed, open, boundary })
     }
 
-    /// The way back from a flattening (#V points) of `open`.
-    ///
-    /// # Errors
-    /// As [`SurfaceMap::new`].
-    pub fn from_flattening(open: TriMesh, flat: &[Point2]) -> Result<Self, RemeshError> {
-        let vertices = flat.iter().map(|p| Point3::new(p.x, p.y, 0.0)).collect();
-        Self::new(TriMesh { vertices, faces: open.faces.clone() }, open)
-    }
-
     /// The closed state.
     pub fn closed(&self) -> &TriMesh {
         &self.closed
@@ -115,16 +106,6 @@ impl Principal {
     pub fn along(&self, direction: Complex<f64>) -> f64 {
         direction.norm() / self.closing.apply(direction).norm()
     }
-}
-
-/// A face laid in the plane, its first edge along x.
-pub(super) fn laid_out(mesh: &TriMesh, face: &[usize; 3]) -> [Point2; 3] {
-    let [a, b, c] = face.map(|v| mesh.vertices[v]);
-    let (ab, ac) = (b - a, c - a);
-    let length = ab.norm();
-    let along = ac.dot(&ab) / length;
-    let across = (ac - ab * (along / length)).norm();
-    [Point2::origin(), Point2::new(length, 0.0), Point2::new(along, across)]
 }
 
 fn normal(mesh: &TriMesh, face: &[usize; 3]) -> Vector3 {

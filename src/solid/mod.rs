@@ -3,7 +3,7 @@
 //!
 //! What goes in: the checked cuts, true outlines and rigid motions of [`crate::fabrication`], and how the
 //! process leaves the walls of its cuts ([`Walls`]). Stages: [`outline`] burns the cuts and drops needless
-//! points, [`rulings`] gives every point of an outline the direction in which its wall runs through the
+//! points, `rulings` gives every point of an outline the direction in which its wall runs through the
 //! sheet, [`caps`] triangulates the faces, [`loft()`] joins them to closed shells, [`clash`] looks for pieces
 //! that interpenetrate.
 //!
@@ -85,8 +85,8 @@ pub struct ThickSheet {
 /// Walls that meet between their mid-plane and a face, outlines that touch themselves, pieces that
 /// interpenetrate.
 pub fn thicken(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<ThickSheet, SolidError> {
-    let strokes = strokes(sheet);
-    let rulings = rulings(sheet, &strokes, thickness, walls)?;
+    let strokes = strokes(sheet, walls);
+    let rulings = rulings(sheet, strokes.as_ref(), thickness)?;
     let ruled = |plate: Plate| ruled(plate, rulings.as_ref());
     let in_other_state = || {
         let pieces = placed(sheet, ruled)?;
@@ -119,26 +119,24 @@ pub fn thicken(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<Thic
 /// # Errors
 /// As [`thicken`], but for walls that meet and pieces that interpenetrate.
 pub fn pieces(sheet: &Fabrication, thickness: f64, walls: Walls) -> Result<Vec<Placed>, SolidError> {
-    let strokes = strokes(sheet);
-    let rulings = rulings(sheet, &strokes, thickness, walls)?;
+    let strokes = strokes(sheet, walls);
+    let rulings = rulings(sheet, strokes.as_ref(), thickness)?;
     placed(sheet, |plate| ruled(plate, rulings.as_ref()))
 }
 
-fn strokes(sheet: &Fabrication) -> Strokes {
-    Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf)
+/// The cuts' courses, which ruled walls follow; upright ones need none.
+fn strokes(sheet: &Fabrication, walls: Walls) -> Option<Strokes> {
+    let of_sheet = || Strokes::new(&sheet.layout.paths, &sheet.hinges, 0.5 * sheet.layout.kerf);
+    (walls == Walls::Ruled).then(of_sheet)
 }
 
 /// How walls run that follow the hinges' axes.
 fn rulings<'a>(
     sheet: &Fabrication,
-    strokes: &'a Strokes,
+    strokes: Option<&'a Strokes>,
     thickness: f64,
-    walls: Walls,
 ) -> Result<Option<Rulings<'a>>, SolidError> {
-    match walls {
-        Walls::Vertical => Ok(None),
-        Walls::Ruled => Rulings::new(strokes, &sheet.hinges, thickness).map(Some),
-    }
+    strokes.map(|strokes| Rulings::new(strokes, &sheet.hinges, thickness)).transpose()
 }
 
 fn ruled(plate: Plate, rulings: Option<&Rulings>) -> Plate {

@@ -54,9 +54,13 @@ const TILE: usize = 256;
 /// Columns that are factorised before the rest is updated.
 const BLOCK: usize = 128;
 
-/// Eliminates the columns of a panel (rows by own columns) and subtracts what they contribute to the update,
-/// the lower triangle of a square matrix. False where the matrix is not positive definite.
-pub fn eliminate<T: Real>(panel: MatMut<T>, update: MatMut<T>, in_tiles: bool) -> bool {
+/// Eliminates the columns of a panel (rows by own columns) and writes what they contribute to the rows below into the lower
+/// triangle of `update`, a square matrix. False where the matrix is not positive definite.
+pub fn eliminate<T: Real>(panel: MatMut<T>, mut update: MatMut<T>, in_tiles: bool) -> bool {
+    if panel.ncols() == 0 {
+        update.fill(T::default());
+        return true;
+    }
     if in_tiles { eliminate_in_tiles(panel, update) } else { eliminate_at_once(panel, update) }
 }
 
@@ -67,7 +71,7 @@ fn eliminate_at_once<T: Real>(panel: MatMut<T>, update: MatMut<T>) -> bool {
         return false;
     }
     divide(own.as_ref(), below.as_mut());
-    subtract_square(update, below.as_ref());
+    minus_square(update, below.as_ref());
     true
 }
 
@@ -96,7 +100,7 @@ fn eliminate_in_tiles<T: Real>(mut panel: MatMut<T>, update: MatMut<T>) -> bool 
         done += width;
     }
     let below = panel.as_ref().split_at_row(columns).1;
-    subtract_square_in_tiles(update, below);
+    minus_square_in_tiles(update, below);
     true
 }
 
@@ -118,14 +122,19 @@ fn subtract_product<T: Real>(c: MatMut<T>, a: MatRef<T>, b: MatRef<T>) {
     matmul(c, Accum::Add, a, b.transpose(), T::of(-1.0), Par::Seq);
 }
 
-/// `c <- c - a a^T` in the lower triangle.
-fn subtract_square<T: Real>(c: MatMut<T>, a: MatRef<T>) {
+/// `c <- -a b^T`.
+fn minus_product<T: Real>(c: MatMut<T>, a: MatRef<T>, b: MatRef<T>) {
+    matmul(c, Accum::Replace, a, b.transpose(), T::of(-1.0), Par::Seq);
+}
+
+/// `c <- -a a^T` in the lower triangle.
+fn minus_square<T: Real>(c: MatMut<T>, a: MatRef<T>) {
     use BlockStructure::{Rectangular, TriangularLower};
     let transposed = a.transpose();
     triangular_matmul(
         c,
         TriangularLower,
-        Accum::Add,
+        Accum::Replace,
         a,
         Rectangular,
         transposed,
@@ -150,42 +159,39 @@ fn by_rows<T: Real>(matrix: MatMut<T>, first: usize, work: &(impl Fn(usize, MatM
     rayon::join(|| by_rows(upper, first, work), || by_rows(lower, first + half, work));
 }
 
-fn subtract_product_in_tiles<T: Real>(c: MatMut<T>, a: MatRef<T>, b: MatRef<T>) {
+fn minus_product_in_tiles<T: Real>(c: MatMut<T>, a: MatRef<T>, b: MatRef<T>) {
     if c.nrows().max(c.ncols()) <= TILE {
-        subtract_product(c, a, b);
+        minus_product(c, a, b);
     } else if c.nrows() >= c.ncols() {
         let half = middle(c.nrows());
         let (upper, lower) = c.split_at_row_mut(half);
         let (a_upper, a_lower) = a.split_at_row(half);
         rayon::join(
-            || subtract_product_in_tiles(upper, a_upper, b),
-            || subtract_product_in_tiles(lower, a_lower, b),
+            || minus_product_in_tiles(upper, a_upper, b),
+            || minus_product_in_tiles(lower, a_lower, b),
         );
     } else {
         let half = middle(c.ncols());
         let (left, right) = c.split_at_col_mut(half);
         let (b_left, b_right) = b.split_at_row(half);
-        rayon::join(
-            || subtract_product_in_tiles(left, a, b_left),
-            || subtract_product_in_tiles(right, a, b_right),
-        );
+        rayon::join(|| minus_product_in_tiles(left, a, b_left), || minus_product_in_tiles(right, a, b_right));
     }
 }
 
-fn subtract_square_in_tiles<T: Real>(c: MatMut<T>, a: MatRef<T>) {
+fn minus_square_in_tiles<T: Real>(c: MatMut<T>, a: MatRef<T>) {
     if c.nrows() <= TILE {
-        subtract_square(c, a);
+        minus_square(c, a);
         return;
     }
     let half = middle(c.nrows());
     let (upper, _, lower, rest) = c.split_at_mut(half, half);
     let (a_upper, a_lower) = a.split_at_row(half);
     rayon::join(
-        || subtract_square_in_tiles(upper, a_upper),
+        || minus_square_in_tiles(upper, a_upper),
         || {
             rayon::join(
-                || subtract_product_in_tiles(lower, a_lower, a_upper),
-                || subtract_square_in_tiles(rest, a_lower),
+                || minus_product_in_tiles(lower, a_lower, a_upper),
+                || minus_square_in_tiles(rest, a_lower),
             )
         },
     );

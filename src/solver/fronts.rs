@@ -16,7 +16,9 @@ pub struct Front {
     pub into_parent: Vec<u32>,
     /// Where its panel starts in the factor.
     pub panel: usize,
-    /// Where its update starts in its stack.
+    /// Which of its task's two stacks holds its update: the other one than its children's, so that they do not overlap.
+    pub stack: usize,
+    /// Where its update starts there.
     pub update: usize,
 }
 
@@ -42,10 +44,8 @@ pub struct Task {
     pub columns: Range<usize>,
     /// Part of the factor that holds their panels.
     pub panels: Range<usize>,
-    /// Largest size of the stack of updates.
-    pub stack: usize,
-    /// Largest update.
-    pub scratch: usize,
+    /// Largest sizes of the two stacks of updates.
+    pub stacks: [usize; 2],
 }
 
 /// The tree of fronts.
@@ -119,6 +119,7 @@ impl Fronts {
                 children: Vec::new(),
                 into_parent: Vec::new(),
                 panel,
+                stack: 0,
                 update: 0,
             };
             panel += front.size() * front.columns.len();
@@ -229,27 +230,34 @@ fn tasks(columns: &[Range<usize>], rows: &[Vec<u32>], parents: &[Option<usize>])
     task_of
 }
 
-/// Lays the updates of each task on a stack, and the updates of the fronts above on one of their own.
+/// Lays the updates of each task on its two stacks, in turn by the depth in the tree.
 fn lay_stacks(fronts: &mut [Front], task_of: &[usize], factor_size: usize) -> Vec<Task> {
+    for front in (0..fronts.len()).rev() {
+        let below = 1 - fronts[front].stack;
+        for child in fronts[front].children.clone() {
+            fronts[child].stack = below;
+        }
+    }
     let count = task_of.last().map_or(0, |&last| last + 1);
     let mut tasks = Vec::with_capacity(count);
     let mut first = 0;
     for task in 0..count {
         let end = first + task_of[first..].iter().take_while(|&&t| t == task).count();
-        let (mut top, mut stack, mut scratch) = (0, 0, 0);
+        let (mut tops, mut stacks) = ([0; 2], [0; 2]);
         for front in first..end {
-            let own_children = fronts[front].children.iter().find(|&&child| child >= first);
-            top = own_children.map_or(top, |&child| fronts[child].update);
-            let size = fronts[front].rows.len().pow(2);
-            fronts[front].update = top;
-            top += size;
-            stack = stack.max(top);
-            scratch = scratch.max(size);
+            let own = fronts[front].stack;
+            // The children's updates are used up.
+            if let Some(&child) = fronts[front].children.iter().find(|&&child| child >= first) {
+                tops[1 - own] = fronts[child].update;
+            }
+            fronts[front].update = tops[own];
+            tops[own] += fronts[front].rows.len().pow(2);
+            stacks[own] = stacks[own].max(tops[own]);
         }
         let at = |front: usize| fronts.get(front).map_or(factor_size, |front| front.panel);
         let columns =
             if first == end { 0..0 } else { fronts[first].columns.start..fronts[end - 1].columns.end };
-        tasks.push(Task { fronts: first..end, columns, panels: at(first)..at(end), stack, scratch });
+        tasks.push(Task { fronts: first..end, columns, panels: at(first)..at(end), stacks });
         first = end;
     }
     tasks

@@ -30,41 +30,20 @@ pub struct Pattern {
 pub struct Factor<T> {
     /// Panels of all fronts: rows by own columns, column after column.
     panels: Vec<T>,
-    /// Updates that wait for their parents: one stack per task.
-    stacks: Vec<Stack<T>>,
+    /// Updates that wait for their parents: two stacks per task.
+    stacks: Vec<Stacks<T>>,
     /// The right-hand side in the order of elimination.
     solution: Vec<T>,
 }
 
-#[derive(Default)]
-struct Stack<T> {
-    memory: Vec<T>,
-    scratch: Vec<T>,
-}
+type Stacks<T> = [Vec<T>; 2];
 
 impl Pattern {
     /// Analyses the pattern that these sets of coupled unknowns make. Every unknown has a place (see
     /// [`super::dissection`]).
     pub fn new(places: &[[f64; 2]], cliques: &Cliques) -> Self {
         let fronts = Fronts::new(places, cliques);
-        let n = places.len();
-        let mut columns: Vec<Vec<u32>> = (0..n as u32).map(|i| vec![i]).collect();
-        for clique in cliques.iter() {
-            for (i, u) in clique.iter().enumerate() {
-                for v in &clique[..i] {
-                    let [u, v] = [u, v].map(|&w| fronts.position[w as usize]);
-                    columns[u.min(v) as usize].push(u.max(v));
-                }
-            }
-        }
-        columns.par_iter_mut().for_each(|rows| {
-            rows.sort_unstable();
-            rows.dedup();
-        });
-        let mut starts = Vec::with_capacity(n + 1);
-        starts.push(0);
-        columns.iter().for_each(|rows| starts.push(starts[starts.len() - 1] + rows.len()));
-        let rows = columns.concat();
+        let (starts, rows) = lower_triangle(&fronts.position, cliques);
         let mut places = Vec::with_capacity(rows.len());
         for front in &fronts.fronts {
             let entries = &rows[starts[front.columns.start]..starts[front.columns.end]];
@@ -104,6 +83,57 @@ impl Pattern {
     }
 }
 
+/// Where each column starts among the rows of its entries, and these rows, ascending.
+fn lower_triangle(position: &[u32], cliques: &Cliques) -> (Vec<usize>, Vec<u32>) {
+    let n = position.len();
+    let pairs = || {
+        cliques.iter().flat_map(|clique| {
+            let at = |&unknown: &u32| position[unknown as usize];
+            clique
+                .iter()
+                .enumerate()
+                .flat_map(move |(i, u)| clique[..i].iter().map(move |v| [at(u).min(at(v)), at(u).max(at(v))]))
+        })
+    };
+    // All pairs first, each as often as blocks couple it.
+    let mut ends = vec![1_usize; n];
+    pairs().for_each(|[column, _]| ends[column as usize] += 1);
+    let mut all = vec![0_u32; ends.iter().sum()];
+    let mut columns = Vec::with_capacity(n);
+    let (mut rest, mut filled) = (&mut all[..], vec![1_usize; n]);
+    for (i, &count) in ends.iter().enumerate() {
+        let column = rest.split_off_mut(..count).expect("room for every pair");
+        column[0] = i as u32;
+        columns.push(column);
+    }
+    for [column, row] in pairs() {
+        let at = &mut filled[column as usize];
+        columns[column as usize][*at] = row;
+        *at += 1;
+    }
+    columns.par_iter_mut().for_each(|column| {
+        column.sort_unstable();
+        let kept = without_repetition(column);
+        *column = &mut std::mem::take(column)[..kept];
+    });
+    let mut starts = Vec::with_capacity(n + 1);
+    starts.push(0);
+    columns.iter().for_each(|rows| starts.push(starts[starts.len() - 1] + rows.len()));
+    (starts, columns.concat())
+}
+
+/// Moves the different ones of ascending numbers to the front, and counts them.
+fn without_repetition(sorted: &mut [u32]) -> usize {
+    let mut kept = 1;
+    for i in 1..sorted.len() {
+        if sorted[i] != sorted[kept - 1] {
+            sorted[kept] = sorted[i];
+            kept += 1;
+        }
+    }
+    kept
+}
+
 impl<T: Real> Factor<T> {
     /// Factorises the matrix with these values, `shift` added to its diagonal. False where it is not positive
     /// definite (or not finite).
@@ -111,23 +141,23 @@ impl<T: Real> Factor<T> {
         let fronts = &pattern.fronts;
         let Some((top, tasks)) = fronts.tasks.split_last() else { return true };
         self.panels.resize(fronts.factor_size, T::default());
-        self.stacks.resize_with(fronts.tasks.len(), Stack::default);
-        let (own_stack, stacks) = self.stacks.split_last_mut().expect("one stack per task");
+        self.stacks.resize_with(fronts.tasks.len(), Stacks::default);
+        let (own_stacks, stacks) = self.stacks.split_last_mut().expect("one stack per task");
         let mut rest = &mut self.panels[..];
-        let jobs: Vec<(&Task, &mut [T], &mut Stack<T>)> = tasks
+        let jobs: Vec<(&Task, &mut [T], &mut Stacks<T>)> = tasks
             .iter()
             .zip(stacks.iter_mut())
-            .map(|(task, stack)| {
+            .map(|(task, stacks)| {
                 let panels = rest.split_off_mut(..task.panels.len()).expect("room for the task's panels");
-                (task, panels, stack)
+                (task, panels, stacks)
             })
             .collect();
         let matrix = Matrix { pattern, values, shift };
         let sound = jobs
             .into_par_iter()
-            .map(|(task, panels, stack)| matrix.run(task, panels, stack, &[], false))
+            .map(|(task, panels, stacks)| matrix.run(task, panels, stacks, &[], false))
             .collect::<Vec<bool>>();
-        sound.into_iter().all(|sound| sound) && matrix.run(top, rest, own_stack, stacks, true)
+        sound.into_iter().all(|sound| sound) && matrix.run(top, rest, own_stacks, stacks, true)
     }
 
     /// Solves for one right-hand side, in place.
@@ -225,40 +255,42 @@ impl Matrix<'_> {
         self,
         task: &Task,
         panels: &mut [T],
-        stack: &mut Stack<T>,
-        below: &[Stack<T>],
+        stacks: &mut Stacks<T>,
+        below: &[Stacks<T>],
         in_tiles: bool,
     ) -> bool {
         let all = &self.pattern.fronts;
-        stack.memory.resize(task.stack, T::default());
-        stack.scratch.resize(task.scratch, T::default());
+        stacks.iter_mut().zip(task.stacks).for_each(|(stack, size)| stack.resize(size, T::default()));
         for front in &all.fronts[task.fronts.clone()] {
-            let (size, columns) = (front.size(), front.columns.len());
+            let (size, columns, rows) = (front.size(), front.columns.len(), front.rows.len());
             let start = front.panel - task.panels.start;
             let panel = &mut panels[start..start + size * columns];
-            let update = &mut stack.scratch[..front.rows.len().pow(2)];
-            update.fill(T::default());
+            let [first, second] = &mut *stacks;
+            let (own, others) = if front.stack == 0 { (first, &*second) } else { (second, &*first) };
+            let update = &mut own[front.update..front.update + rows * rows];
+            let updates = || {
+                front.children.iter().map(|&child| {
+                    let stack = if child >= task.fronts.start {
+                        others
+                    } else {
+                        let home = all.tasks.partition_point(|task| task.fronts.end <= child);
+                        &below[home][1 - front.stack]
+                    };
+                    let child = &all.fronts[child];
+                    (child, &stack[child.update..])
+                })
+            };
             self.scatter(front, panel);
-            for &child in &front.children {
-                let source = if child >= task.fronts.start {
-                    &stack.memory
-                } else {
-                    let home = all.tasks.partition_point(|task| task.fronts.end <= child);
-                    &below[home].memory
-                };
-                let child = &all.fronts[child];
-                add_update(child, &source[child.update..], panel, columns, size, update);
-            }
-            let below = front.rows.len();
+            updates().for_each(|(child, source)| add_to_panel(child, source, panel, front));
             let sound = eliminate(
                 MatMut::from_column_major_slice_mut(panel, size, columns),
-                MatMut::from_column_major_slice_mut(update, below, below),
+                MatMut::from_column_major_slice_mut(update, rows, rows),
                 in_tiles,
             );
             if !sound {
                 return false;
             }
-            stack.memory[front.update..front.update + below * below].copy_from_slice(update);
+            updates().for_each(|(child, source)| add_to_update(child, source, update, front));
         }
         true
     }
@@ -278,28 +310,27 @@ impl Matrix<'_> {
     }
 }
 
-/// Adds the update of a child to its parent's front.
-fn add_update<T: Real>(
-    child: &Front,
-    source: &[T],
-    panel: &mut [T],
-    columns: usize,
-    size: usize,
-    update: &mut [T],
-) {
+/// Adds the update of a child to the columns that its parent eliminates.
+fn add_to_panel<T: Real>(child: &Front, source: &[T], panel: &mut [T], parent: &Front) {
     let places = &child.into_parent;
-    let rows = places.len();
-    let below = size - columns;
-    for (j, &column) in places.iter().enumerate() {
-        let column = column as usize;
+    let (rows, size) = (places.len(), parent.size());
+    let own = places.partition_point(|&place| (place as usize) < parent.columns.len());
+    for (j, &column) in places[..own].iter().enumerate() {
+        let target = &mut panel[column as usize * size..][..size];
         let entries = source[j * rows + j..(j + 1) * rows].iter().zip(&places[j..]);
-        if column < columns {
-            let target = &mut panel[column * size..(column + 1) * size];
-            entries.for_each(|(value, &place)| target[place as usize] += *value);
-        } else {
-            let target = &mut update[(column - columns) * below..][..below];
-            entries.for_each(|(value, &place)| target[place as usize - columns] += *value);
-        }
+        entries.for_each(|(value, &place)| target[place as usize] += *value);
+    }
+}
+
+/// Adds the update of a child to the rows below the columns that its parent eliminates.
+fn add_to_update<T: Real>(child: &Front, source: &[T], update: &mut [T], parent: &Front) {
+    let places = &child.into_parent;
+    let (rows, columns) = (places.len(), parent.columns.len());
+    let own = places.partition_point(|&place| (place as usize) < columns);
+    for (j, &column) in places.iter().enumerate().skip(own) {
+        let target = &mut update[(column as usize - columns) * parent.rows.len()..][..parent.rows.len()];
+        let entries = source[j * rows + j..(j + 1) * rows].iter().zip(&places[j..]);
+        entries.for_each(|(value, &place)| target[place as usize - columns] += *value);
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use thiserror::Error;
+
 use super::{TomlError, read_text};
 
 /// Where the files of one kind are found.
@@ -28,29 +30,53 @@ pub struct TomlFile {
     pub path: Option<PathBuf>,
 }
 
+/// A file of a shelf could not be had.
+#[derive(Debug, Error)]
+pub enum ShelfError {
+    /// Nothing has this name.
+    #[error("no {kind} is called \"{name}\"; there are {}; or give the path of a TOML file", known.join(", "))]
+    UnknownName {
+        /// What was asked for: "profile".
+        kind: String,
+        /// The name asked for.
+        name: String,
+        /// The names that exist.
+        known: Vec<String>,
+    },
+    /// The file cannot be read or breaks a rule.
+    #[error(transparent)]
+    Toml(#[from] TomlError),
+}
+
 impl Shelf<'_> {
-    /// Finds a file by name or path; `None` where nothing has this name.
+    /// Finds a file by name or path.
     ///
     /// What contains a path separator or ends in `.toml` is a path, relative to `base_dir`. Else `NAME.toml` is looked
     /// for in the folder, then among the embedded files.
     ///
     /// # Errors
-    /// A file that cannot be read.
-    pub fn find(&self, name_or_path: &str, base_dir: &Path) -> Result<Option<TomlFile>, TomlError> {
+    /// Nothing by that name, or a file that cannot be read.
+    pub fn find(&self, name_or_path: &str, base_dir: &Path) -> Result<TomlFile, ShelfError> {
         if name_or_path.contains(std::path::is_separator) || name_or_path.ends_with(".toml") {
-            return read_file(&base_dir.join(name_or_path)).map(Some);
+            return Ok(read_file(&base_dir.join(name_or_path))?);
         }
         let user_file = self.folder.join(format!("{name_or_path}.toml"));
         if user_file.is_file() {
-            return read_file(&user_file).map(Some);
+            return Ok(read_file(&user_file)?);
         }
-        let found = self.embedded.iter().find(|(name, _)| *name == name_or_path);
-        Ok(found.map(|(name, text)| TomlFile {
-            name: (*name).to_owned(),
-            text: (*text).to_owned(),
-            label: format!("embedded {} {name}.toml", self.kind),
-            path: None,
-        }))
+        match self.embedded.iter().find(|(name, _)| *name == name_or_path) {
+            Some((name, text)) => Ok(TomlFile {
+                name: (*name).to_owned(),
+                text: (*text).to_owned(),
+                label: format!("embedded {} {name}.toml", self.kind),
+                path: None,
+            }),
+            None => Err(ShelfError::UnknownName {
+                kind: self.kind.to_owned(),
+                name: name_or_path.to_owned(),
+                known: self.names(),
+            }),
+        }
     }
 
     /// The names that [`Shelf::find`] knows, sorted.

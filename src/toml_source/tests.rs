@@ -100,15 +100,6 @@ fn control_characters_do_not_reach_the_terminal() {
 }
 
 #[test]
-fn keys_are_found_by_path() {
-    let source = TomlSource { file: "a.toml", text: "top = 1\n[a]\nb.c = 2\n" };
-    assert_eq!(source.key_span("top"), Some(0..3));
-    assert_eq!(source.key_span("a.b.c"), Some(14..15));
-    assert_eq!(source.key_span("a.c"), None);
-    assert_eq!(source.key_span("top.c"), None);
-}
-
-#[test]
 fn files_that_are_no_text_are_refused() {
     let folder = std::env::temp_dir().join(format!("kirimorph-toml-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

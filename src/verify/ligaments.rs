@@ -15,7 +15,7 @@ use crate::fabrication::layout::CutKind;
 use crate::fabrication::mechanics::{clearance_length, pole_offset, required_length, strain_length_at};
 use crate::fabrication::states::sheet_vertices;
 use crate::fabrication::web::{nearest_on_segment, segment_gap};
-use crate::kirigami::design::{Hinge, State};
+use crate::kirigami::design::{Hinge, PatternKind, State};
 use crate::profile::{Profile, Shape};
 
 /// Largest difference of a ligament's width from the profile's, anywhere along it, millimetres.
@@ -132,10 +132,11 @@ fn ligament_of(hinge: &Hinge, grooves: &Grooves, wanted: Wanted, forced: f64) ->
             required_length(profile, hinge.angle).unwrap_or(beam.max_length)
         }
     };
+    let free = required_length(profile, hinge.angle).unwrap_or(profile.ligament_lengths()[1]);
     let (inwards, pole) = match design.sheet_state {
-        Some(State::Closed) => {
-            let free = required_length(profile, hinge.angle).unwrap_or(profile.ligament_lengths()[1]);
-            (inwards(hinge, grooves, wanted), pole_offset(profile, free, hinge.angle))
+        Some(State::Closed) => (inwards(hinge, grooves, wanted), pole_offset(profile, free, hinge.angle)),
+        Some(State::Open) if design.pattern != PatternKind::Bistable => {
+            (away_from_closing(hinge, grooves, wanted), pole_offset(profile, free, hinge.angle))
         }
         _ => (None, 0.0),
     };
@@ -172,17 +173,35 @@ fn is_crowded(grooves: &Grooves, point: Point, profile: &Profile) -> bool {
     gaps.into_iter().any(|gap| gap > ON && gap < most)
 }
 
+/// A unit vector square to the groove that is nearest to a point; `None` without one.
+fn across(point: Point, grooves: &Grooves) -> Option<Vec2> {
+    let [from, to] = grooves.segments[grooves.nearest(point)?.1].ends;
+    let foot = nearest_on_segment(point, [from, to]);
+    // A round end stands opposite; on a groove that runs over the point there is no way to its foot.
+    Some(if foot.distance(point) > 1e-6 { foot - point } else { (to - from).turn_90() }.normalize())
+}
+
 /// The unit vector square to the groove that is nearest to a hinge point, towards the hinge's pieces; `None` without one.
 fn inwards(hinge: &Hinge, grooves: &Grooves, wanted: Wanted) -> Option<Vec2> {
     let design = wanted.design;
     let point = Point::new(hinge.point.x, hinge.point.y);
-    let [from, to] = grooves.segments[grooves.nearest(point)?.1].ends;
-    let foot = nearest_on_segment(point, [from, to]);
-    // A round end stands opposite; on a groove that runs over the point there is no way to its foot.
-    let across = if foot.distance(point) > 1e-6 { foot - point } else { (to - from).turn_90() }.normalize();
+    let across = across(point, grooves)?;
     let vertices = hinge.pieces.iter().flat_map(|&piece| sheet_vertices(design, &design.pieces[piece]));
     let inwards: f64 = vertices.map(|vertex| across.dot(Point::new(vertex.x, vertex.y) - point)).sum();
     Some(inwards.signum() * across)
+}
+
+/// That vector on a sheet that is cut open, away from the window that closes. About an axis that points up piece k turns
+/// counter-clockwise as piece j sees it, away from the window on the right of the way from j to k.
+fn away_from_closing(hinge: &Hinge, grooves: &Grooves, wanted: Wanted) -> Option<Vec2> {
+    let point = Point::new(hinge.point.x, hinge.point.y);
+    let across = across(point, grooves)?;
+    let towards = |piece: usize| {
+        let vertices = sheet_vertices(wanted.design, &wanted.design.pieces[piece]);
+        vertices.iter().map(|vertex| Point::new(vertex.x, vertex.y) - point).sum::<Vec2>().normalize()
+    };
+    let [j, k] = hinge.pieces.map(towards);
+    Some((-hinge.axis.z * across.dot((k - j).turn_90())).signum() * across)
 }
 
 fn wrong(ligament: Ligament, width: f64) -> Vec<String> {

@@ -3,6 +3,7 @@
 // Each test file uses its own part.
 #![allow(dead_code)]
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use kirimorph::fabrication::fabricate::{Fabrication, fabricate, ligament_lengths};
@@ -12,7 +13,7 @@ use kirimorph::geometry::{Point3, Vector2};
 use kirimorph::kirigami::design::Design;
 use kirimorph::kirigami::pattern::Pattern;
 use kirimorph::kirigami::quality::Quality;
-use kirimorph::output::design_json::Stage;
+use kirimorph::output::design_json::{self, DesignFile, Provenance, Stage, WriteDesignError};
 use kirimorph::output::hinge_report;
 use kirimorph::profile::{self, Profile};
 
@@ -51,6 +52,23 @@ pub fn dome() -> Dome {
         Made { design, quality, stages }
     };
     Dome { shaken: made(&shaken, vec![]), made: made(&solved.pattern, stages), profile }
+}
+
+/// The `design.json` of a design; what is refused leaves nothing.
+pub fn design_text(made: &Made, max_strain: Option<f64>) -> Result<String, WriteDesignError> {
+    let hashes = BTreeMap::from([("dome.obj".to_string(), "sha256:00ff".to_string())]);
+    let provenance =
+        Provenance { job: "jobs/of \"mine\"/dome.toml", target: "../meshes/dome.obj", hashes: &hashes };
+    let file = DesignFile {
+        design: &made.design,
+        quality: &made.quality,
+        stages: &made.stages,
+        max_strain,
+        provenance,
+    };
+    let mut bytes = Vec::new();
+    design_json::write(&file, &mut bytes).inspect_err(|_| assert!(bytes.is_empty()))?;
+    Ok(String::from_utf8(bytes).unwrap())
 }
 
 /// The dome laid out for its profile.

@@ -41,6 +41,19 @@ pub const OPEN_SHEET_FILES: [&str; 11] = [
     "timings.json",
 ];
 
+/// The same of a design without a flat state.
+pub const ASSEMBLY_FILES: [&str; 9] = [
+    "design.json",
+    "hinges.csv",
+    "hinges.json",
+    "morph.glb",
+    "pieces-closed.stl",
+    "pieces-open.stl",
+    "preview.svg",
+    "report.html",
+    "timings.json",
+];
+
 /// The stages of a sheet for a laser, in their order.
 pub const STAGES: [&str; 11] = [
     "read",
@@ -88,6 +101,13 @@ pub fn finish(command: &mut Command) -> Run {
     }
 }
 
+/// Runs the program, which must succeed, and returns what it prints on both streams.
+pub fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let run = run(folder, arguments);
+    assert_eq!(run.status, 0, "{arguments:?}: {}", run.stderr);
+    run.stdout + &run.stderr
+}
+
 /// Runs a job that must succeed and returns its folder.
 pub fn made(folder: &Path, job: &str, out: &str) -> PathBuf {
     let run = run(folder, ["make", job, "-o", out]);
@@ -110,6 +130,16 @@ pub fn refused(folder: &Path, arguments: &[&str], status: i32, says: &[&str]) {
     if std::env::var_os("SHOW_MESSAGES").is_some() {
         println!("{}", run.stderr);
     }
+}
+
+/// The values of a JSON file.
+pub fn json_file(file: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap()
+}
+
+/// A file of the folder `samples`.
+pub fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)
 }
 
 /// Runs a test program of `tests/oracle`, which prints one line of JSON; `None` where it is missing.
@@ -147,7 +177,7 @@ pub fn number(value: &Value, key: &str) -> f64 {
 
 /// `design.json` of a folder.
 pub fn design(folder: &Path) -> Value {
-    serde_json::from_slice(&std::fs::read(folder.join("design.json")).unwrap()).unwrap()
+    json_file(&folder.join("design.json"))
 }
 
 /// All coordinates of a design's corners and pieces, millimetres.

@@ -21,28 +21,25 @@ impl Results<'_> {
         setup: &'b Setup,
     ) -> Report<'b> {
         Report {
-            job: self.name,
-            target: self.target,
+            heading: self.heading(),
             outcome: self.outcome,
             product: self.product,
-            quality: self.quality,
+            quality: self.file.quality,
             limits: self.limits,
-            stages: self.stages,
-            profile: self.profile,
-            figures: self.figures,
+            stages: self.file.stages,
             remarks,
-            snap: self.extras.snap,
-            plan: self.extras.plan,
+            snap: self.extras.snap.as_ref(),
+            plan: self.extras.plan.as_ref(),
             cutting,
             setup: &setup.rows,
             restarts: &setup.restarts,
-            seen: Seen { morph: self.extras.moving.map(|moving| &moving.morph), ..self.extras.seen },
+            seen: Seen { morph: self.extras.moving.as_ref().map(|moving| &moving.morph), ..self.seen },
         }
     }
 
     /// What the summary says of cutting or milling.
     pub(super) fn cutting(&self) -> Vec<String> {
-        match (self.extras.milled, self.extras.plan) {
+        match (self.extras.milled(), &self.extras.plan) {
             (Some(milled), _) => milled::lines(milled).lines().map(|line| line.trim().to_owned()).collect(),
             (None, Some(plan)) => plan.report.lines(),
             (None, None) => Vec::new(),
@@ -51,7 +48,7 @@ impl Results<'_> {
 
     /// The set-up sheet of a sheet that is milled.
     pub(super) fn setup(&self) -> Setup {
-        self.extras.milled.map_or_else(Setup::default, |(milled, machine)| Setup {
+        self.extras.milled().map_or_else(Setup::default, |(milled, machine)| Setup {
             rows: setup_sheet::rows(milled, self, machine),
             restarts: std::iter::once(setup_sheet::AGAIN.to_owned())
                 .chain(setup_sheet::restarts(milled))
@@ -62,15 +59,15 @@ impl Results<'_> {
     /// What the summary says besides figures, hinges, cuts and snap.
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = Vec::new();
-        if let Some(thick) = self.extras.solids {
+        if let Some(thick) = &self.extras.solids {
             remarks.extend(super::super::solids::summary(thick).lines().map(|line| line.trim().to_owned()));
         }
-        let way = morphs::summary(self.extras.moving, self.product.hinges().len());
+        let way = morphs::summary(self.extras.moving.as_ref(), self.product.hinges().len());
         remarks.extend(way.lines().map(|line| line.trim().to_owned()));
         if matches!(self.product, Product::Assembly(_)) {
             remarks.push(no_cut_file(&self.profile.name));
         }
-        let copies = self.extras.plan.map_or(1, |plan| plan.report.copies.len());
+        let copies = self.extras.plan.as_ref().map_or(1, |plan| plan.report.copies.len());
         if copies > 1 {
             remarks.push(format!("The drawing shows the first of {copies} copies."));
         }

@@ -2,14 +2,14 @@
 
 use kurbo::Point;
 
-use super::neck::necks;
+use super::neck::{Neck, necks};
 use super::rim::rims;
 use super::trace::trace;
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 use crate::fabrication::topology::Topology;
 use crate::kirigami::design::Design;
-use crate::profile::{Profile, Shape};
+use crate::profile::Profile;
 
 /// The straight end of a window beside a ligament.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +27,8 @@ pub struct WindowCuts {
     pub paths: Vec<CutPath>,
     /// The two flats beside each hinge's ligament, in the hinges' order.
     pub flats: Vec<[Flat; 2]>,
+    /// Where the ligaments belong, in the hinges' order.
+    pub necks: Vec<Neck>,
 }
 
 impl WindowCuts {
@@ -40,11 +42,7 @@ impl WindowCuts {
         profile: &Profile,
         lengths: &[f64],
     ) -> Result<Self, FabricationError> {
-        // A notch is as long as its groove from end to end, the groove's centre line shorter.
-        let notch = matches!(profile.ligament.shape, Shape::Notch { .. });
-        let shorter = if notch { profile.cut.kerf } else { 0.0 };
-        let flats: Vec<f64> = lengths.iter().map(|length| length - shorter).collect();
-        let necks = necks(design, &flats)?;
+        let necks = necks(design, profile, lengths)?;
         let mut flats: Vec<Vec<Flat>> = vec![Vec::new(); necks.len()];
         let mut paths = Vec::new();
         for rim in rims(design, topology, profile)? {
@@ -65,7 +63,7 @@ impl WindowCuts {
             })
         };
         let flats = flats.into_iter().enumerate().map(pair).collect::<Result<_, _>>()?;
-        Ok(WindowCuts { paths, flats })
+        Ok(WindowCuts { paths, flats, necks })
     }
 
     /// The ends of a flat.

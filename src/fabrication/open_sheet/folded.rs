@@ -1,7 +1,7 @@
 //! Whether the folded ligaments of an open sheet find room in the closed state.
 //!
 //! A folded ligament lies within the two halves of the straight one, each turned with its piece, and a round joint
-//! about the hinge point (see [`super::gap`]).
+//! about its middle on either (see [`super::gap`]).
 
 use crate::fabrication::collision::{OVERLAP_TOLERANCE, View, overlap};
 use crate::fabrication::error::FabricationError;
@@ -65,7 +65,7 @@ fn view(fan: &Fan, motions: &[RigidMotion]) -> Option<View> {
     sum.try_normalize(1e-9).map(View::against)
 }
 
-/// A folded ligament as it is seen: two half bars and the joint.
+/// A folded ligament as it is seen: two half bars and their joints.
 fn fold(
     design: &Design,
     hinge: usize,
@@ -88,5 +88,6 @@ fn fold(
         seen(pieces[0], &[-half - across, -across, across, across - half]),
         seen(pieces[1], &[-across, half - across, half + across, across]),
         seen(pieces[0], &joint),
+        seen(pieces[1], &joint),
     ]
 }

@@ -11,9 +11,13 @@
 //! The windows' rounded ends need no room of their own: flats and roots are cut into the pieces, behind the sides
 //! of the hinge polygons. The roots clear each other as well: they need a ligament h tan(a/2) long, and so wide is the
 //! closing window's own corner where the flat cuts it.
+//!
+//! A ligament whose pole is not its middle stands off P by the pole's offset, towards the other ligament of the corner: so
+//! much more, for each of the two, they stand apart.
 
 use kurbo::Point;
 
+use super::neck::Neck;
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::states::corner_place;
 use crate::fabrication::topology::Topology;
@@ -42,6 +46,7 @@ pub fn check_gaps(
     topology: &Topology,
     motions: &[RigidMotion],
     profile: &Profile,
+    necks: &[Neck],
 ) -> Result<(), FabricationError> {
     let mut worst: Option<(f64, usize, [usize; 2], f64, f64)> = None;
     for (corner, fan) in topology.fans.iter().enumerate().filter(|(_, fan)| !fan.border) {
@@ -55,7 +60,8 @@ pub fn check_gaps(
                     design.pieces[hinge.pieces[0]].closed[hinge.vertices[0]]
                 });
                 let [a, b] = pair.map(|hinge| mean_normal(design.hinges[hinge].pieces, motions));
-                let (found, needed) = ((p - q).norm(), open_sheet_gap(profile, a.angle(&b)));
+                let poles: f64 = pair.iter().map(|&hinge| necks[hinge].pole).sum();
+                let (found, needed) = ((p - q).norm(), open_sheet_gap(profile, a.angle(&b)) + poles);
                 if worst.is_none_or(|(short, ..)| needed - found > short) {
                     worst = Some((needed - found, corner, pair, found, needed));
                 }

@@ -3,6 +3,7 @@
 use kurbo::Point;
 
 use super::cuts::{Flat, WindowCuts};
+use super::neck::Neck;
 use crate::fabrication::ligament::MeasuredLigament;
 use crate::fabrication::mechanics::pole_offset;
 use crate::fabrication::web::{CutIndex, nearest_on_segment};
@@ -21,7 +22,7 @@ pub fn measure_ligaments(
     let kerf = profile.cut.kerf;
     // A notch reaches to the ends of the groove's rounds.
     let rounds = if matches!(profile.ligament.shape, Shape::Notch { .. }) { kerf } else { 0.0 };
-    let measure = |(hinge, flats): (&Hinge, &[Flat; 2])| {
+    let measure = |((hinge, flats), neck): ((&Hinge, &[Flat; 2]), &Neck)| {
         let [first, second] = flats.map(|flat| cuts.segment(flat));
         let across = |from: [Point; 2], to: [Point; 2]| {
             let distance = |point: Point| point.distance(nearest_on_segment(point, to));
@@ -34,18 +35,17 @@ pub fn measure_ligaments(
         let centre = middle.midpoint(nearest_on_segment(middle, long));
         let around = [first, second].map(|flat| index.nearest(flat, &flats.map(|flat| flat.path)));
         let length = lengths[0].min(lengths[1]) + rounds;
-        let pole = pole_offset(profile, length, hinge.angle);
+        let pole = pole_offset(profile, neck.length + rounds, hinge.angle);
         MeasuredLigament {
             width: across(first, second).min(across(second, first)) - kerf,
             length,
             asked: length,
             centre,
             pole_offset: pole,
-            // Windows are laid out about the hinge points themselves.
-            centre_offset: centre.distance(Point::new(hinge.point.x, hinge.point.y)) + pole.abs(),
+            centre_offset: centre.distance(neck.centre) + (pole - neck.pole).abs(),
             nearest_cut: around[0].min(around[1]) - kerf,
             bar: short,
         }
     };
-    hinges.iter().zip(&cuts.flats).map(measure).collect()
+    hinges.iter().zip(&cuts.flats).zip(&cuts.necks).map(measure).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! The cuts run along the sides of the hinge polygons, so that half a kerf burns off every piece and closed sides
 //! keep a kerf between them. At a hinge two windows leave a straight ligament of the profile's width and of the
-//! length that its angle needs, centred on the hinge point. Closing bends it into the window whose sides come
+//! length that its angle needs, with its pole on the hinge point. Closing bends it into the window whose sides come
 //! together; its other face bulges into the gap between the hinge points of a closed corner.
 
 pub mod rim;
@@ -62,7 +62,7 @@ pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<La
     let (kerf, min_web) = (profile.cut.kerf, profile.cut.min_web);
     let (cuts, topology) = cuts_of(design, profile, lengths)?;
     let motions = motions(design);
-    check_gaps(design, &topology, &motions, profile)?;
+    check_gaps(design, &topology, &motions, profile, &cuts.necks)?;
     let cuts = cuts.started_on_longest_straights();
     let index = CutIndex::new(&cuts.paths);
     check_rims(&cuts.paths, kerf, min_web)?;

@@ -1,6 +1,6 @@
 //! Open sheets laid out from exact flat designs, against closed forms and invariances.
 
-use kurbo::Point;
+use kurbo::{Point, Vec2};
 
 use super::cuts::WindowCuts;
 use super::cuts_of;
@@ -13,13 +13,11 @@ use crate::fabrication::hinge_table::Verdict;
 use crate::fabrication::layout::{CutKind, CutPath};
 use crate::fabrication::ligament::MeasuredLigament;
 use crate::fabrication::outline::area;
-use crate::fabrication::test_sheet::{TestSheet, cut_open, profile, sheets};
+use crate::fabrication::test_sheet::{ROUNDING, TestSheet, assert_moved, cut_open, profile, sheets, turn};
 use crate::fabrication::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
-
-/// Rounding of coordinates of some 100 mm through a few dozen operations.
-const ROUNDING: f64 = 1e-9;
+use crate::profile::Pole;
 
 fn made(sheet: &TestSheet, phi: f64) -> Fabrication {
     let design = cut_open(sheet.design(phi));
@@ -46,6 +44,10 @@ fn moved(design: &Design, motion: impl Fn(f64, f64) -> [f64; 2]) -> Design {
     design.pieces.iter_mut().flat_map(|piece| &mut piece.open).for_each(apply);
     design.hinges.iter_mut().map(|hinge| &mut hinge.point).for_each(apply);
     design
+}
+
+fn turned_by(angle: f64, v: Vec2) -> Vec2 {
+    angle.cos() * v + angle.sin() * v.turn_90()
 }
 
 fn square() -> (TestSheet, f64) {
@@ -97,6 +99,35 @@ fn every_ligament_is_as_wide_and_as_long_as_it_should_be_and_centred_on_its_hing
 }
 
 #[test]
+fn a_bent_ligament_whose_pole_is_not_its_middle_stands_where_it_turns_about_the_hinge() {
+    for (sheet, phi) in sheets() {
+        // Room for what bulges out further: the two poles of a corner.
+        let design = cut_open(TestSheet { gap: 1.0, ..sheet }.design(phi));
+        let mut bent = profile();
+        bent.ligament.pole = Pole::IdealArc;
+        let lengths = ligament_lengths(&design, &bent).unwrap();
+        let (set, _) = cuts_of(&design, &bent, &lengths).unwrap();
+        let ligaments = measure_ligaments(&design.hinges, &set, &CutIndex::new(&set.paths), &bent);
+        for (i, (hinge, found)) in design.hinges.iter().zip(&ligaments).enumerate() {
+            assert!(found.centre_offset < ROUNDING && found.pole_offset > 0.05, "{found:?}");
+            assert!((found.width - 0.5).abs() < ROUNDING, "{found:?}");
+            // The ends of the straight ligament; the second one turns about the hinge point with its piece. An arc of
+            // constant curvature between them is as long as the ligament: its chord is 2 l / a sin(a/2).
+            let along = set.necks[i].along;
+            let [from, to] = [-0.5, 0.5].map(|part| found.centre + part * found.length * along);
+            let point = Point::new(hinge.point.x, hinge.point.y);
+            let turned = point + turned_by(hinge.angle * hinge.axis.z.signum(), to - point);
+            let chord = 2.0 * found.length / hinge.angle * (0.5 * hinge.angle).sin();
+            assert!(
+                (turned.distance(from) - chord).abs() < ROUNDING,
+                "{i}: {} {chord}",
+                turned.distance(from)
+            );
+        }
+    }
+}
+
+#[test]
 fn a_window_is_its_hinge_polygon_with_feet_and_without_the_corners_at_the_ligaments() {
     let (sheet, phi) = square();
     let design = cut_open(sheet.design(phi));
@@ -131,21 +162,11 @@ fn a_window_is_its_hinge_polygon_with_feet_and_without_the_corners_at_the_ligame
 
 #[test]
 fn turning_the_sheet_turns_the_cuts() {
-    let (sin, cos) = 0.7_f64.sin_cos();
-    let turn = |x: f64, y: f64| [cos * x - sin * y + 3.0, sin * x + cos * y - 40.0];
     for (sheet, phi) in sheets() {
         let design = cut_open(sheet.design(phi));
         let (straight, _) = cuts(&design, 1.1);
         let (turned, _) = cuts(&moved(&design, turn), 1.1);
-        assert_eq!(straight.paths.len(), turned.paths.len());
-        for (a, b) in straight.paths.iter().zip(&turned.paths) {
-            assert_eq!((a.kind, a.vertices.len()), (b.kind, b.vertices.len()));
-            for (p, q) in a.vertices.iter().zip(&b.vertices) {
-                let [x, y] = turn(p.point.x, p.point.y);
-                assert!(q.point.distance(Point::new(x, y)) < ROUNDING);
-                assert!((p.bulge - q.bulge).abs() < ROUNDING);
-            }
-        }
+        assert_moved(&straight.paths, &turned.paths, turn);
     }
 }
 

@@ -11,10 +11,8 @@ use crate::profile::Profile;
 
 /// A side that climbs less steeply than this from the ligament's axis never leaves it.
 const LEAST_CLIMB: f64 = 0.05;
-/// Shorter arcs are left out, millimetres: verification allows none below 0.01 mm.
-const SHORTEST_ARC: f64 = 0.011;
-/// Lower walls are left out, millimetres: the root's own rounding covers them.
-const LEAST_WALL: f64 = 0.01;
+/// Shorter arcs and walls are left out, millimetres: verification allows none below 0.01 mm.
+const SHORTEST: f64 = 0.011;
 
 /// Sizes that are the same at all hinges, millimetres.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,13 +143,13 @@ impl WindowEnd {
         let tangent = root * (0.5 * dy.atan2(dx)).tan();
         let wall_x = self.half_length + root;
         let wall = if dx > 0.0 { y + (wall_x - x) / dx * dy - reach } else { f64::INFINITY };
-        if natural - tangent >= self.half_length || wall < LEAST_WALL {
+        if natural - tangent >= self.half_length || wall < SHORTEST {
             return Ok(vec![Corner { point: place(natural, reach), radius: root }]);
         }
         if dx < LEAST_CLIMB {
             return Err("the window beside it is too narrow for its ligament: let the hinge turn further");
         }
-        let flat_end = Corner { point: place(wall_x, reach), radius: root.min(0.9 * wall) };
+        let flat_end = Corner { point: place(wall_x, reach), radius: root.min(wall - SHORTEST) };
         Ok(vec![Corner { point: place(wall_x, reach + wall), radius: 0.0 }, flat_end])
     }
 }
@@ -184,7 +182,7 @@ fn rounded(corners: &[Corner]) -> (Vec<PathVertex>, Vec<usize>) {
         let (cut, turn) = tangent(corners, i);
         let towards = |other: usize| (corners[other % count].point - corner.point).normalize();
         // The arc's chord; machines stutter over shorter ones, and a sharp corner is as good.
-        if 2.0 * cut * (0.5 * turn).cos() > SHORTEST_ARC {
+        if 2.0 * cut * (0.5 * turn).cos() > SHORTEST {
             let point = corner.point + cut * towards(i + count - 1);
             vertices.push(PathVertex { point, bulge: (0.25 * turn).tan() });
             starts.push(vertices.len());

@@ -220,18 +220,3 @@ fn turning_an_arc_keeps_its_place() {
     assert!(points.iter().zip(path.flatten(1e-3)).all(|(a, b)| a.distance(b) < 1e-12));
     assert_eq!(directed(&back, true), path);
 }
-
-/// `cargo test --release --lib order -- --ignored --nocapture`: the table of docs/laser.md.
-#[test]
-#[ignore = "prints figures"]
-fn figures_of_regular_sheets() {
-    for cells in [[10, 10], [20, 20], [20, 21], [40, 40], [100, 100]] {
-        let (paths, ligaments) = closed(cells);
-        let begin = std::time::Instant::now();
-        let order = cutting_order(&paths, &ligaments);
-        let seconds = begin.elapsed().as_secs_f64();
-        let Travel { length, bound } = travel(&order);
-        let slits = of_kind(&order, CutKind::Slit).count();
-        println!("| {slits} | {length:.0} | {bound:.0} | {:.3} | {seconds:.2} |", length / bound);
-    }
-}

@@ -2,7 +2,7 @@
 
 use kurbo::{Affine, Rect, Vec2};
 
-use crate::fabrication::error::FabricationError;
+use super::error::PlanError;
 use crate::fabrication::layout::{CutPath, PathVertex};
 use crate::profile::Sheet;
 
@@ -14,12 +14,7 @@ const ROUNDING: f64 = 1e-6;
 ///
 /// # Errors
 /// More copies than fit, with how many do.
-pub fn offsets(
-    part: Rect,
-    sheet: &Sheet,
-    copies: usize,
-    spacing: f64,
-) -> Result<Vec<Vec2>, FabricationError> {
+pub fn offsets(part: Rect, sheet: &Sheet, copies: usize, spacing: f64) -> Result<Vec<Vec2>, PlanError> {
     let fit = |size: f64, from: f64, side: f64| {
         let room = side - sheet.margin - from - size;
         1 + ((room + ROUNDING) / (size + spacing)).max(0.0) as usize
@@ -27,7 +22,7 @@ pub fn offsets(
     let columns = fit(part.width(), part.x0, sheet.width);
     let rows = fit(part.height(), part.y0, sheet.height);
     if copies > columns * rows {
-        return Err(FabricationError::TooManyCopies {
+        return Err(PlanError::TooManyCopies {
             copies,
             fit: columns * rows,
             columns,

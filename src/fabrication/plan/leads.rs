@@ -6,9 +6,9 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_8};
 use kurbo::{Point, Rect, Vec2};
 use rstar::RTree;
 
+use super::error::PlanError;
 use super::{LeadShape, Leads};
 use crate::fabrication::cuts::{ARC_TOLERANCE, bounding_box};
-use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
 use crate::fabrication::order::closed_starts;
 use crate::fabrication::outline::{area, contains};
@@ -34,7 +34,7 @@ pub fn with_leads(
     leads: Leads,
     ligaments: &RTree<[f64; 2]>,
     profile: &Profile,
-) -> Result<(Vec<CutPath>, usize), FabricationError> {
+) -> Result<(Vec<CutPath>, usize), PlanError> {
     let borders: Vec<CutPath> = paths.iter().filter(|path| path.kind == CutKind::Border).cloned().collect();
     let boxes: Vec<Rect> = borders.iter().map(|border| bounding_box(std::slice::from_ref(border))).collect();
     let room = Room { leads, profile, borders: &borders, boxes: &boxes };
@@ -51,7 +51,7 @@ pub fn with_leads(
             Some((lead, path)) => all.extend([lead, path]),
             None if index.is_some() && path.closed => {
                 let Point { x, y } = path.vertices[0].point;
-                return Err(FabricationError::NoRoomForLead { x, y, length: leads.length });
+                return Err(PlanError::NoRoomForLead { x, y, length: leads.length });
             }
             None => {
                 without += 1;

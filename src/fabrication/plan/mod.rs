@@ -2,6 +2,8 @@
 
 mod copies;
 
+mod error;
+
 mod engrave;
 
 mod leads;
@@ -24,7 +26,6 @@ use kurbo::{Point, Rect, Vec2};
 use rstar::RTree;
 
 use super::cuts::bounding_box;
-use super::error::FabricationError;
 use super::fabricate::{Fabrication, hinge_points};
 use super::layout::{CutKind, CutLayout, CutPath, Engraving, Note, Tabs};
 use super::notes::notes;
@@ -33,6 +34,7 @@ use crate::profile::Profile;
 
 use report::Finish;
 
+pub use error::PlanError;
 pub use report::{CutReport, EngraveReport, LeadReport, Price, Times};
 
 /// What a job may choose.
@@ -140,7 +142,7 @@ pub fn cut_plan(
     fabrication: &Fabrication,
     profile: &Profile,
     options: &CutOptions,
-) -> Result<CutPlan, FabricationError> {
+) -> Result<CutPlan, PlanError> {
     let one = &fabrication.layout;
     let part = bounding_box(&one.paths).inset(0.5 * one.kerf);
     let offsets = copies::offsets(part, &profile.sheet, options.copies, options.spacing)?;

@@ -3,8 +3,8 @@
 use kurbo::{Point, Vec2};
 
 use super::TabWish;
+use super::error::PlanError;
 use crate::fabrication::cuts::ARC_TOLERANCE;
-use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex, Tabs};
 use crate::fabrication::web::CutIndex;
 use crate::profile::Profile;
@@ -35,7 +35,7 @@ pub fn places(
     hinges: &[Point],
     wish: &TabWish,
     profile: &Profile,
-) -> Result<Tabs, FabricationError> {
+) -> Result<Tabs, PlanError> {
     let gap = wish.width + profile.cut.kerf;
     let (borders, inner): (Vec<CutPath>, Vec<CutPath>) =
         paths.iter().cloned().partition(|path| path.kind == CutKind::Border);
@@ -66,7 +66,7 @@ pub fn places(
         None => {
             let fit =
                 (1..wish.count).rev().find(|&count| spread(&good, around, count).is_some()).unwrap_or(0);
-            Err(FabricationError::TooManyTabs { tabs: wish.count, fit, width: wish.width, clear: limit })
+            Err(PlanError::TooManyTabs { tabs: wish.count, fit, width: wish.width, clear: limit })
         }
     }
 }

@@ -130,33 +130,3 @@ fn hinges_rest_as_long_as_asked_where_there_is_enough_else_to_cut() {
     assert_eq!(heat.layout.paths.last().unwrap().kind, CutKind::Border);
     assert!(heat.report.travel.length > travel.report.travel.length);
 }
-
-/// `cargo test --release --lib plan -- --ignored --nocapture`: prices in docs/laser.md.
-#[test]
-#[ignore = "prints figures"]
-fn prices_of_piercing_and_heat() {
-    let sheet = TestSheet::rectangle([20, 20], [10.0, 10.0], profile().hinge_gap());
-    let design = sheet.design(sheet.full_angle());
-    let one = fabricate(&design, &profile(), &ligament_lengths(&design, &profile()).unwrap()).unwrap();
-    let mid = Pierce::MidSlit;
-    for (pierce, order) in [
-        (Pierce::SlitEnd, CutOrder::Travel),
-        (mid, CutOrder::Travel),
-        (Pierce::SlitEnd, CutOrder::Heat { cool: 2.0, within: None }),
-        (Pierce::SlitEnd, CutOrder::Heat { cool: 5.0, within: None }),
-        (Pierce::SlitEnd, CutOrder::Heat { cool: 10.0, within: None }),
-        (mid, CutOrder::Heat { cool: 10.0, within: None }),
-    ] {
-        let begin = std::time::Instant::now();
-        let plan =
-            cut_plan(&one, &profile(), &CutOptions { pierce, order, ..CutOptions::default() }).unwrap();
-        let CutReport { cuts, travel, rest, times, .. } = plan.report;
-        let (length, total) = (travel.length, times.unwrap().total());
-        println!(
-            "| {pierce:?} {order:?} | {cuts} | {length:.0} | {:.2} | {} | {total:.0} | {:.2} s",
-            rest.least,
-            rest.early,
-            begin.elapsed().as_secs_f64()
-        );
-    }
-}

@@ -4,21 +4,11 @@ use super::*;
 
 #[test]
 fn turning_the_sheet_turns_the_cuts() {
-    let (sin, cos) = 0.7_f64.sin_cos();
-    let turn = |x: f64, y: f64| [cos * x - sin * y + 3.0, sin * x + cos * y - 40.0];
     for (sheet, phi) in sheets() {
         let design = sheet.design(phi);
         let (straight, before) = cuts(&design, &profile(), 1.1);
         let (turned, after) = cuts(&moved(&design, turn), &profile(), 1.1);
-        assert_eq!(straight.paths.len(), turned.paths.len());
-        for (a, b) in straight.paths.iter().zip(&turned.paths) {
-            assert_eq!((a.kind, a.vertices.len()), (b.kind, b.vertices.len()));
-            for (p, q) in a.vertices.iter().zip(&b.vertices) {
-                let [x, y] = turn(p.point.x, p.point.y);
-                assert!(q.point.distance(Point::new(x, y)) < ROUNDING);
-                assert!((p.bulge - q.bulge).abs() < ROUNDING);
-            }
-        }
+        assert_moved(&straight.paths, &turned.paths, turn);
         for (a, b) in before.iter().zip(&after) {
             assert!((a.nearest_cut - b.nearest_cut).abs() < ROUNDING);
         }

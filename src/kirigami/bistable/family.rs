@@ -10,7 +10,7 @@ use crate::geometry::Point3;
 use crate::kirigami::control_mesh::{ControlMesh, Goals};
 use crate::kirigami::cover::Cover;
 use crate::kirigami::design::Design;
-use crate::kirigami::levels::{Displacement, Family, Level, mean_displacement};
+use crate::kirigami::levels::{Beginning, Displacement, Family, Level, mean_displacement};
 use crate::kirigami::phases::most_steps;
 use crate::kirigami::stage2::{self, Cells, stage2};
 use crate::solver::{Options, Report, Run};
@@ -86,18 +86,18 @@ impl Family for Snapping<'_> {
         level: &Level,
         start: Fitted,
         border: &Fitted,
-        refined: bool,
+        beginning: Beginning,
         name: &str,
         run: &mut Run,
     ) -> (Fitted, Vec<Report>) {
         let problem = self.problem(level, &start, &border.pattern);
         let (pattern, reports) =
-            stage3(&problem, start.pattern.clone(), &start.corners, &phases(refined), name, run);
+            stage3(&problem, start.pattern.clone(), &start.corners, &phases(beginning), name, run);
         (Fitted { pattern, ..start }, reports)
     }
 
-    fn most_steps(&self, _: &Level, refined: bool) -> usize {
-        most_steps(&phases(refined))
+    fn most_steps(&self, _: &Level, beginning: Beginning) -> usize {
+        most_steps(&phases(beginning))
     }
 
     fn displacement(&self, _: &Cover, first: &Fitted, done: &Fitted) -> Displacement {
@@ -110,10 +110,10 @@ impl Family for Snapping<'_> {
         }
     }
 
-    fn space(&self, level: &Level, done: Fitted, halves: &[f64], run: &mut Run) -> (Fitted, Report) {
+    fn space(&self, level: &Level, done: Fitted, halves: &[f64], run: &mut Run) -> (Fitted, Vec<Report>) {
         let problem = self.problem(level, &done, &done.pattern);
         let (pattern, report) = space(&problem, done.pattern.clone(), &done.corners, halves, run);
-        (Fitted { pattern, ..done }, report)
+        (Fitted { pattern, ..done }, vec![report])
     }
 
     fn design(&self, level: &Level, done: &Fitted) -> Design {

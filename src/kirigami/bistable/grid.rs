@@ -4,7 +4,7 @@ use super::cell::BistableCell;
 use super::fit::fitted;
 use super::mesh::BistableMesh;
 use crate::geometry::{Point2, Point3, Vector2};
-use crate::kirigami::cover::{Boundary, Cover, CoverError, PieceSize, cover, grid_axis};
+use crate::kirigami::cover::{Boundary, Cover, CoverError, PieceSize, cover, grid_axis, stretched};
 use crate::kirigami::design::State;
 
 /// Lays cells of these proportions over an outline, counter-clockwise; `first` is the direction that the grid's first axis
@@ -29,7 +29,7 @@ pub fn cover_cells(
     };
     // Seen through this factor across the axis, the cells are squares.
     let squeeze = filling[0] / filling[1];
-    let squeezed: Vec<Point2> = outline.iter().map(|p| across(p, &axis, squeeze)).collect();
+    let squeezed: Vec<Point2> = outline.iter().map(|p| stretched(p, &axis, [1.0, squeeze])).collect();
     let size = match size {
         PieceSize::Edge(mean) => {
             let sides = |b: f64| 1.0 / stretches[0] + b / stretches[1];
@@ -39,7 +39,7 @@ pub fn cover_cells(
     };
     let mut cover = cover(&squeezed, &axis, size, stretches, 0.0, boundary)?;
     for point in cover.corners.iter_mut().chain(&mut cover.centres) {
-        *point = across(point, &axis, 1.0 / squeeze);
+        *point = stretched(point, &axis, [1.0, 1.0 / squeeze]);
     }
     cover.cell.open[1] /= squeeze;
     cover.cell.closed[1] /= squeeze;
@@ -88,12 +88,6 @@ fn asked_edge(cell: &BistableCell, cover: &Cover) -> f64 {
     fitted(&vec![*cell; mesh.cells], &cover.mesh, &mesh, &corners, &corners)
         .design(&mesh, cell.gap, None)
         .mean_edge()
-}
-
-/// A point, its coordinate across an axis multiplied.
-fn across(p: &Point2, axis: &Vector2, factor: f64) -> Point2 {
-    let normal = Vector2::new(-axis.y, axis.x);
-    Point2::from(axis * p.coords.dot(axis) + normal * (factor * p.coords.dot(&normal)))
 }
 
 #[cfg(test)]

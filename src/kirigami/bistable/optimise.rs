@@ -13,6 +13,7 @@ use crate::geometry::{Point2, Point3};
 use crate::kirigami::control_mesh::Goals;
 use crate::kirigami::cover::Cover;
 use crate::kirigami::design::State;
+use crate::kirigami::levels::Beginning;
 use crate::kirigami::phases::{Phase, hard, run_phases};
 use crate::kirigami::stage2::held;
 use crate::kirigami::terms::{ClosedVertex, Isometry, LinearTerm, PieceAt, Planarity, PointAt};
@@ -156,13 +157,16 @@ impl Unknowns {
     }
 }
 
-/// Soft phases whose weights phase out, and the hard one: isometry and flatness alone. From a coarser pattern (`refined`)
+/// Soft phases whose weights phase out, and the hard one: isometry and flatness alone. From a coarser pattern
 /// only details remain to be found.
-pub fn phases(refined: bool) -> Vec<Phase> {
+pub fn phases(beginning: Beginning) -> Vec<Phase> {
     // Factors of the soft terms, most iterations, and the relative decrease below which a phase ends.
     const FROM_MODEL: [(f64, usize, f64); 3] = [(1.0, 20, 1e-3), (0.1, 12, 1e-3), (0.01, 12, 1e-3)];
     const FROM_COARSER: [(f64, usize, f64); 3] = [(1.0, 4, 3e-2), (0.1, 4, 3e-2), (0.01, 3, 3e-2)];
-    let soft = if refined { FROM_COARSER } else { FROM_MODEL };
+    let soft = match beginning {
+        Beginning::Model => FROM_MODEL,
+        Beginning::Coarser => FROM_COARSER,
+    };
     let soft = soft.map(|(soft, iterations, energy_tolerance)| Phase {
         soft,
         fair: 0.0,

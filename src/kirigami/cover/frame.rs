@@ -55,6 +55,12 @@ pub(super) fn extent(points: &[Point2], axis: &Vector2) -> (Vector2, Vector2) {
     })
 }
 
+/// A point, with its coordinates along and across an axis (a unit vector) multiplied.
+pub fn stretched(p: &Point2, axis: &Vector2, [along, across]: [f64; 2]) -> Point2 {
+    let normal = Vector2::new(-axis.y, axis.x);
+    Point2::from(axis * (along * p.coords.dot(axis)) + normal * (across * p.coords.dot(&normal)))
+}
+
 /// Convex hull, counter-clockwise (A. M. Andrew's monotone chain, 1979).
 fn convex_hull(points: &[Point2]) -> Vec<Point2> {
     let mut sorted = points.to_vec();

@@ -53,21 +53,6 @@ impl Alternation {
     pub fn edges(&self) -> EdgeSet {
         self.paths.iter().flat_map(|path| path.windows(2)).map(|pair| sorted([pair[0], pair[1]])).collect()
     }
-
-    /// The proposed cuts as an OBJ file, which may serve as the cuts of the mesh with these vertices.
-    pub fn to_obj(&self, vertices: &[Point3]) -> String {
-        let mut text = String::from("# cuts along which the sheet is to be opened\n");
-        let mut count = 0;
-        for path in &self.paths {
-            for p in path.iter().map(|&v| vertices[v]) {
-                text.push_str(&format!("v {} {} {}\n", p.x, p.y, p.z));
-            }
-            let numbers: Vec<String> = (1..=path.len()).map(|i| (count + i).to_string()).collect();
-            text.push_str(&format!("l {}\n", numbers.join(" ")));
-            count += path.len();
-        }
-        text
-    }
 }
 
 /// Finds all odd places of a sheet and the cuts to propose. `vertices` are the source's.

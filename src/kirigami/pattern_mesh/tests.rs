@@ -68,8 +68,23 @@ fn samples() -> [(&'static str, String); 4] {
         ("three.obj", obj(&three(), "a dome of three patches of quads around one corner, millimetres")),
         ("star.obj", obj(&star(), "a dome of six patches of quads around one corner, millimetres")),
         ("five.obj", obj(&five, "a dome of five patches of quads around one corner, millimetres")),
-        ("five-cuts.obj", mended(&five).mended.to_obj(&five.vertices)),
+        ("five-cuts.obj", to_obj(&mended(&five).mended, &five.vertices)),
     ]
+}
+
+/// The proposed cuts as an OBJ file, which may serve as the cuts of the mesh with these vertices.
+fn to_obj(proposal: &Alternation, vertices: &[Point3]) -> String {
+    let mut text = String::from("# cuts along which the sheet is to be opened\n");
+    let mut count = 0;
+    for path in &proposal.paths {
+        for p in path.iter().map(|&v| vertices[v]) {
+            text.push_str(&format!("v {} {} {}\n", p.x, p.y, p.z));
+        }
+        let numbers: Vec<String> = (1..=path.len()).map(|i| (count + i).to_string()).collect();
+        text.push_str(&format!("l {}\n", numbers.join(" ")));
+        count += path.len();
+    }
+    text
 }
 
 #[test]

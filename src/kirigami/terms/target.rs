@@ -35,7 +35,17 @@ pub struct Held<'a> {
     target: &'a Target,
     /// Millimetres per unit of length of the unknowns.
     scale: f64,
-    feet: Vec<(Vector3, f64)>,
+    feet: Vec<Foot>,
+}
+
+/// The plane that a point is held to at present.
+#[derive(Clone, Copy)]
+struct Foot {
+    normal: Vector3,
+    /// Distance of the plane from the origin along the normal.
+    offset: f64,
+    /// The triangle of the surface in which the nearest point lies, for the next search.
+    triangle: usize,
 }
 
 impl<'a> Held<'a> {
@@ -48,7 +58,7 @@ impl<'a> Held<'a> {
     ) -> Self {
         let points: Vec<(PointAt, Hold)> = points.into_iter().collect();
         let unknowns = points.iter().flat_map(|(p, _)| p.indices()).collect();
-        let feet = vec![(Vector3::zeros(), 0.0); points.len()];
+        let feet = vec![Foot { normal: Vector3::zeros(), offset: 0.0, triangle: 0 }; points.len()];
         Self { name, points, unknowns, target, scale, feet }
     }
 }
@@ -67,7 +77,7 @@ impl Term for Held<'_> {
         &self.unknowns[3 * b..3 * b + 3]
     }
     fn evaluate(&self, b: usize, x: &[f64], residuals: &mut [f64], jacobian: &mut [f64]) {
-        let (normal, offset) = &self.feet[b];
+        let Foot { normal, offset, .. } = &self.feet[b];
         residuals[0] = self.points[b].0.read(x).dot(normal) - offset;
         jacobian.copy_from_slice(normal.as_slice());
     }
@@ -75,14 +85,15 @@ impl Term for Held<'_> {
         let Self { points, feet, target, scale, .. } = self;
         points.par_iter().zip(feet.par_iter_mut()).with_min_len(256).for_each(|((point, hold), foot)| {
             let here = Point3::from(point.read(x) * *scale);
-            let (at, normal) = plane(hold, target, &here);
-            *foot = (normal, at.coords.dot(&normal) / *scale);
+            let (at, normal) = plane(hold, target, &here, &mut foot.triangle);
+            (foot.normal, foot.offset) = (normal, at.coords.dot(&normal) / *scale);
         });
     }
 }
 
-/// The plane that a point at `here` is held to: a point of it and its unit normal.
-fn plane(hold: &Hold, target: &Target, here: &Point3) -> (Point3, Vector3) {
+/// The plane that a point at `here` is held to: a point of it and its unit normal. `triangle` is where its nearest point on
+/// the surface was last, and is.
+fn plane(hold: &Hold, target: &Target, here: &Point3, triangle: &mut usize) -> (Point3, Vector3) {
     let boundary = || {
         let found = target.boundary.closest(here);
         (found.point, found.conormal)
@@ -90,7 +101,8 @@ fn plane(hold: &Hold, target: &Target, here: &Point3) -> (Point3, Vector3) {
     match hold {
         Hold::Plane(at, normal) => (*at, *normal),
         Hold::Surface => {
-            let found = target.surface.closest(here);
+            let found = target.surface.closest_from(here, *triangle);
+            *triangle = found.triangle;
             (found.point, found.normal)
         }
         Hold::Boundary => boundary(),

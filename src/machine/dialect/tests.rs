@@ -1,5 +1,5 @@
 use super::*;
-use crate::machine::examples::{header, machine, machines, slots, slots_for};
+use crate::machine::examples::{header, machine, machines, slots, slots_for, with_decimals};
 use crate::machine::{MachineError, post, read};
 
 fn text(machine: &Machine) -> String {
@@ -144,7 +144,7 @@ fn vectors_and_m128_are_the_same_path_in_other_words() {
         ("heidenhain-bc", Dialect::HeidenhainM128, "M128", " B-"),
     ];
     for (name, dialect, on, word) in cases {
-        let first = machine(name).with_decimals(7, 8);
+        let first = with_decimals(&machine(name), 7, 8);
         let mut second = first.clone();
         second.dialect = dialect;
         let [a, b] = [&first, &second].map(|machine| read(&text(machine), machine).unwrap());

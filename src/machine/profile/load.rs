@@ -3,10 +3,8 @@
 
 use std::path::Path;
 
-use thiserror::Error;
-
 use super::{Machine, read};
-use crate::toml_source::{Shelf, TomlError, TomlFile};
+use crate::toml_source::{Shelf, ShelfError, TomlFile};
 
 /// The machines inside the program, by name, sorted.
 pub(super) const EMBEDDED: [(&str, &str); 9] = [
@@ -24,22 +22,6 @@ pub(super) const EMBEDDED: [(&str, &str); 9] = [
 /// The folder beside the user's work whose files go before the embedded ones.
 const USER_FOLDER: &str = "profiles/machines";
 
-/// A machine could not be had.
-#[derive(Debug, Error)]
-pub enum MachineFileError {
-    /// No machine has this name.
-    #[error("no machine is called \"{name}\"; there are {}; or give the path of a TOML file", known.join(", "))]
-    UnknownName {
-        /// The name asked for.
-        name: String,
-        /// The names that exist.
-        known: Vec<String>,
-    },
-    /// The file cannot be read or breaks a rule.
-    #[error(transparent)]
-    Toml(#[from] TomlError),
-}
-
 /// Loads a machine by name or path.
 ///
 /// What contains a path separator or ends in `.toml` is a path, relative to `base_dir`. Else `NAME.toml` is
@@ -47,7 +29,7 @@ pub enum MachineFileError {
 ///
 /// # Errors
 /// Nothing by that name, an unreadable file, or a file that breaks a rule.
-pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Machine, MachineFileError> {
+pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Machine, ShelfError> {
     let file = source(name_or_path, base_dir)?;
     Ok(read::parse(&file.text, &file.name, &file.label)?)
 }
@@ -56,10 +38,8 @@ pub fn load(name_or_path: &str, base_dir: &Path) -> Result<Machine, MachineFileE
 ///
 /// # Errors
 /// Nothing by that name, or an unreadable file.
-pub fn source(name_or_path: &str, base_dir: &Path) -> Result<TomlFile, MachineFileError> {
-    shelf()
-        .find(name_or_path, base_dir)?
-        .ok_or_else(|| MachineFileError::UnknownName { name: name_or_path.to_owned(), known: names() })
+pub fn source(name_or_path: &str, base_dir: &Path) -> Result<TomlFile, ShelfError> {
+    shelf().find(name_or_path, base_dir)
 }
 
 /// The names that [`load`] knows: embedded and in the folder `profiles/machines` of the working directory,

@@ -7,7 +7,7 @@
 mod load;
 mod read;
 
-pub use load::{MachineFileError, load, names, source};
+pub use load::{load, names, source};
 pub use read::parse;
 
 use nalgebra::Rotation3;
@@ -175,12 +175,6 @@ impl Machine {
     /// Whether the tool can stand along hinges' tilted axes.
     pub fn follows_axes(&self) -> bool {
         self.rotary.is_some()
-    }
-
-    /// A copy with other digits and no split: the test of what rounding costs.
-    #[must_use]
-    pub fn with_decimals(&self, decimals: usize, angle_decimals: usize) -> Self {
-        Self { output: Output { decimals, angle_decimals, ..self.output.clone() }, ..self.clone() }
     }
 }
 

@@ -157,21 +157,17 @@ pub fn parse(text: &str, name: &str, file: &str) -> Result<Machine, TomlError> {
 }
 
 fn dialect(source: &TomlSource, word: &Spanned<String>) -> Result<Dialect, TomlError> {
-    Ok(match word.get_ref().as_str() {
-        "linuxcnc" => Dialect::LinuxCnc,
-        "fanuc-g43.4" => Dialect::FanucAngles,
-        "fanuc-g43.5" => Dialect::FanucVectors,
-        "heidenhain-tcpm" => Dialect::HeidenhainTcpm,
-        "heidenhain-m128" => Dialect::HeidenhainM128,
-        "siemens" => Dialect::SiemensAngles,
-        "siemens-vectors" => Dialect::SiemensVectors,
-        "haas" => Dialect::Haas,
-        _ => {
-            let what = "not known: allowed is \"linuxcnc\", \"fanuc-g43.4\", \"fanuc-g43.5\", \
-                        \"heidenhain-tcpm\", \"heidenhain-m128\", \"siemens\", \"siemens-vectors\", \"haas\"";
-            return Err(source.value_error(word.span(), what, "whose words the program uses"));
-        }
-    })
+    let words = [
+        ("linuxcnc", Dialect::LinuxCnc),
+        ("fanuc-g43.4", Dialect::FanucAngles),
+        ("fanuc-g43.5", Dialect::FanucVectors),
+        ("heidenhain-tcpm", Dialect::HeidenhainTcpm),
+        ("heidenhain-m128", Dialect::HeidenhainM128),
+        ("siemens", Dialect::SiemensAngles),
+        ("siemens-vectors", Dialect::SiemensVectors),
+        ("haas", Dialect::Haas),
+    ];
+    source.word(word, &words, "whose words the program uses")
 }
 
 /// Tool centre point control needs rotary axes, and only LinuxCNC's programs do without it.
@@ -187,16 +183,13 @@ fn check_tcp(source: &TomlSource, raw: &RawMachine, dialect: Dialect, rotary: bo
 }
 
 fn rotary(source: &TomlSource, machine: &RawMachine) -> Result<Option<Rotary>, TomlError> {
-    let table = match machine.kind.get_ref().as_str() {
-        "xyz" => None,
-        "xyzac-trt" => Some(Table::TiltAC),
-        "xyzbc-trt" => Some(Table::TiltBC),
-        "xyzab-tdr" => Some(Table::TiltBA),
-        _ => {
-            let what = "not known: allowed is \"xyz\", \"xyzac-trt\", \"xyzbc-trt\", \"xyzab-tdr\"";
-            return Err(source.value_error(machine.kind.span(), what, "which axes the machine has"));
-        }
-    };
+    let words = [
+        ("xyz", None),
+        ("xyzac-trt", Some(Table::TiltAC)),
+        ("xyzbc-trt", Some(Table::TiltBC)),
+        ("xyzab-tdr", Some(Table::TiltBA)),
+    ];
+    let table = source.word(&machine.kind, &words, "which axes the machine has")?;
     let (table, raw) = match (table, &machine.rotary) {
         (None, None) => return Ok(None),
         (Some(table), Some(raw)) => (table, raw),
@@ -293,15 +286,8 @@ fn setup(source: &TomlSource, machine: &RawMachine, rotary: bool) -> Result<Setu
         let help = "the tool's place in the magazine";
         return Err(source.value_error(raw.tool_number.span(), "out of range: allowed is 1 to 999", help));
     }
-    let coolant = match raw.coolant.get_ref().as_str() {
-        "off" => Coolant::Off,
-        "mist" => Coolant::Mist,
-        "flood" => Coolant::Flood,
-        _ => {
-            let what = "not known: allowed is \"off\", \"mist\", \"flood\"";
-            return Err(source.value_error(raw.coolant.span(), what, "M9, M7 or M8"));
-        }
-    };
+    let words = [("off", Coolant::Off), ("mist", Coolant::Mist), ("flood", Coolant::Flood)];
+    let coolant = source.word(&raw.coolant, &words, "M9, M7 or M8")?;
     let setup = Setup {
         work_offset: *raw.work_offset.get_ref(),
         zero: point(source, &raw.zero_mm)?,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::machine::examples::{header, machine, machines, slots_for};
+use crate::machine::examples::{header, machine, machines, slots_for, with_decimals};
 use crate::machine::{Program, post};
 use crate::milling::toolpath::Toolpath;
 
@@ -36,7 +36,7 @@ fn worst_match(path: &Toolpath, motions: &[Motion], close: f64) -> f64 {
 #[test]
 fn every_dialect_gives_the_same_poses_back() {
     for machine in machines() {
-        let mut machine = machine.with_decimals(8, 9);
+        let mut machine = with_decimals(&machine, 8, 9);
         if let Some(rotary) = &mut machine.rotary {
             rotary.upright = 0.0;
         }

@@ -14,20 +14,15 @@ use crate::fabrication::product::Assembly;
 use crate::geometry::plane::doubled_area;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::{Design, State};
+use crate::output::Heading;
 
 /// What the page shows.
 #[derive(Debug, Clone, Copy)]
 pub struct AssemblyPreview<'a> {
     /// Pieces and hinges.
     pub assembly: &'a Assembly,
-    /// The job's name.
-    pub title: &'a str,
-    /// The profile's name.
-    pub profile: &'a str,
-    /// The targets' names.
-    pub target: &'a str,
-    /// Key figures: label and value with its unit, in the order of importance.
-    pub figures: &'a [(String, String)],
+    /// What it is called, and its figures.
+    pub heading: Heading<'a>,
     /// Why there is no cut file, in a sentence or two.
     pub remark: &'a str,
 }
@@ -45,18 +40,19 @@ const HINGES: Rect = Rect::new(300.0, 210.0, 412.0, 290.0);
 pub fn write<W: Write>(preview: &AssemblyPreview<'_>, mut out: W) -> Result<(), WritePreviewError> {
     let Assembly { design, hinges } = preview.assembly;
     check_design(design, hinges)?;
+    let heading = preview.heading;
     let subtitle = format!(
         "targets {}   |   profile {}   |   no flat state: nothing to cut from a sheet",
-        preview.target, preview.profile
+        heading.target, heading.profile.name
     );
     let turns = senses(design, &normals(design, State::Closed));
-    let document = empty_page(preview.title)
-        .add(header(preview.title, &subtitle, hinges))
+    let document = empty_page(heading.name)
+        .add(header(heading.name, &subtitle, hinges))
         .add(state_panel(design, State::Closed, &turns))
         .add(state_panel(design, State::Open, &turns))
         .add(legend(preview.assembly, &turns))
         .add(remark(preview.remark))
-        .add(tables::figures(preview.figures, FIGURES))
+        .add(tables::figures(heading.figures, FIGURES))
         .add(tables::hinges(hinges, &worst(hinges), HINGES));
     ::svg::write(&mut out, &document)?;
     out.write_all(b"\n")?;

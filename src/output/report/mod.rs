@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 
 use super::design_json::Stage;
 use super::hinge_report::{WriteHingesError, check, summary};
-use super::snap_report;
+use super::{Heading, snap_report};
 use crate::fabrication::hinge_table::{HingeRow, Verdict};
 use crate::fabrication::plan::{CutPlan, CutReport, Pierce};
 use crate::fabrication::product::Product;
@@ -57,10 +57,8 @@ pub const VERSION: u64 = 1;
 /// What the page shows.
 #[derive(Clone, Copy)]
 pub struct Report<'a> {
-    /// The job's name.
-    pub job: &'a str,
-    /// The target's name.
-    pub target: &'a str,
+    /// What it is called, and the figures of the summary.
+    pub heading: Heading<'a>,
     /// What became of the run, as the summary says it.
     pub outcome: &'a str,
     /// What is made, with its hinges.
@@ -71,10 +69,6 @@ pub struct Report<'a> {
     pub limits: &'a Limits,
     /// What the solver did.
     pub stages: &'a [Stage],
-    /// For which it was laid out.
-    pub profile: &'a Profile,
-    /// The figures of the summary: label and value.
-    pub figures: &'a [(String, String)],
     /// What else the summary says, one line each.
     pub remarks: &'a [String],
     /// How a bistable sheet snaps.
@@ -109,7 +103,7 @@ pub struct Seen<'a> {
 pub fn write<W: Write>(report: &Report<'_>, mut out: W) -> Result<(), WriteHingesError> {
     check(report.product.hinges())?;
     let data = for_script(&serde_json::to_string(&object(report)).map_err(io::Error::from)?);
-    let title = for_html(&format!("{}: report", report.job));
+    let title = for_html(&format!("{}: report", report.heading.name));
     let script = SCRIPT.join("\n");
     // Filled in one pass: what is put in is not searched for further places.
     let mut rest = PAGE;
@@ -140,7 +134,7 @@ fn for_html(text: &str) -> String {
 
 /// All that the script reads.
 fn object(report: &Report) -> Value {
-    let profile = report.profile;
+    let Heading { name, target, profile, figures } = report.heading;
     let rows = report.product.hinges();
     let mut materials = vec![material(&profile.material)];
     let others = embedded().into_iter().map(|other| material(&other.material));
@@ -149,8 +143,8 @@ fn object(report: &Report) -> Value {
     json!({
         "version": VERSION,
         "program": concat!("kirimorph ", env!("CARGO_PKG_VERSION")),
-        "job": report.job,
-        "target": report.target,
+        "job": name,
+        "target": target,
         "profile": profile.name,
         "material": format!("{}, {} mm thick", profile.material.name, profile.sheet.thickness),
         "process": match profile.process {
@@ -158,7 +152,7 @@ fn object(report: &Report) -> Value {
             Process::Milling => "milling",
         },
         "verdict": verdict(report.outcome, rows),
-        "figures": report.figures,
+        "figures": figures,
         "limits": limits(report),
         "remarks": report.remarks,
         "snap": report.snap.map(snap_report::figures),
@@ -189,7 +183,7 @@ fn verdict(outcome: &str, rows: &[HingeRow]) -> Value {
 
 /// The figures that have limits; those that compare with a target only where there is one.
 fn limits(report: &Report) -> Vec<Value> {
-    let Report { quality, profile, .. } = report;
+    let Report { quality, heading: Heading { profile, .. }, .. } = report;
     let allowed = report.limits;
     let edge = quality.mean_edge;
     let cell = std::f64::consts::SQRT_2 * edge;
@@ -229,8 +223,8 @@ fn figure(value: f64) -> String {
     if value == 0.0 || value.abs() >= 1e-3 { format!("{value:.3}") } else { format!("{value:.1e}") }
 }
 
-/// What the formulas of the page need.
-fn mechanics(profile: &Profile) -> Value {
+/// What the formulas of the page need: lengths in millimetres, modulus in MPa.
+pub fn mechanics(profile: &Profile) -> Value {
     let (shape, compliance) = match profile.ligament.shape {
         Shape::Beam(beam) => ("beam", beam.root_compliance),
         Shape::Rounded(beam) => ("rounded", beam.root_compliance),

@@ -73,7 +73,7 @@ pub fn object(report: &Report) -> Value {
         .fold(0.0, f64::max);
     let targets = report.seen.targets.iter();
     json!({
-        "thickness": report.profile.sheet.thickness,
+        "thickness": report.heading.profile.sheet.thickness,
         "counts": base64(counts(shapes.iter().map(|shape| shape.outline.len()))),
         "outline_unit": unit(largest),
         "outlines": base64(encode::rounded(corners, unit(largest))),

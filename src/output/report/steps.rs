@@ -88,7 +88,7 @@ fn deploying(product: &Product) -> Step {
 }
 
 fn holding(report: &Report, rows: &[HingeRow]) -> Vec<Step> {
-    let profile = report.profile;
+    let profile = report.heading.profile;
     let (elastic, yielding): (Vec<&HingeRow>, Vec<&HingeRow>) =
         rows.iter().partition(|row| row.strain_class == StrainClass::Elastic);
     let mut steps = Vec::new();

@@ -109,7 +109,7 @@ fn cuts_are_found_by_their_places() {
 fn a_written_proposal_reads_back() {
     let mesh = patches(5, 4, 10.0, 4.0);
     let proposal = mended(&mesh).mended;
-    let lines = polylines::parse(proposal.to_obj(&mesh.vertices).as_bytes()).unwrap();
+    let lines = polylines::parse(to_obj(&proposal, &mesh.vertices).as_bytes()).unwrap();
     let cuts = cut_paths(&mesh, &lines, 1.0).unwrap();
     assert_eq!(cuts.iter().map(|cut| cut.vertices.clone()).collect::<Vec<_>>(), proposal.paths);
 }
