@@ -108,6 +108,19 @@ impl CutPath {
         }
         segments
     }
+
+    /// Length of the centre line, arcs as they are, millimetres.
+    pub fn length(&self) -> f64 {
+        let count = self.vertices.len();
+        let segments = if self.closed { count } else { count.saturating_sub(1) };
+        let segment = |i: usize| {
+            let (from, to) = (self.vertices[i], self.vertices[(i + 1) % count].point);
+            let (chord, bulge) = (from.point.distance(to), from.bulge.abs());
+            // Radius times sweep; a quarter of the sweep is the bulge's arc tangent.
+            if bulge < 1e-6 { chord } else { chord * (1.0 + bulge * bulge) / bulge * bulge.atan() }
+        };
+        (0..segments).map(segment).sum()
+    }
 }
 
 /// Points strictly inside the arc from `from` to `to`.

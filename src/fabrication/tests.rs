@@ -43,10 +43,6 @@ fn count(paths: &[CutPath], kind: CutKind) -> usize {
     paths.iter().filter(|path| path.kind == kind).count()
 }
 
-fn length(path: &CutPath) -> f64 {
-    path.segments(1e-6).iter().map(|[a, b]| a.distance(*b)).sum()
-}
-
 /// The design after a motion of the sheet plane, its pieces, vertices and hinges unchanged in number.
 fn moved(design: &Design, motion: impl Fn(f64, f64) -> [f64; 2]) -> Design {
     let apply = |p: &mut Point3| {
@@ -194,7 +190,7 @@ fn material_and_burned_grooves_fill_the_sheet() {
             .iter()
             .map(|path| {
                 // Closed cuts burn half their width inside.
-                if path.closed { 0.5 * kerf * length(path) } else { kerf * length(path) }
+                if path.closed { 0.5 * kerf * path.length() } else { kerf * path.length() }
             })
             .sum();
         let ligaments: f64 = made.hinges.iter().map(|row| row.length * width).sum();

@@ -207,6 +207,12 @@ fn missing_passes_are_found_and_so_is_a_border_that_is_cut_first() {
         keep(i - 1, block.to.tip.z)
     });
     assert!(found(&of(&shallow), Trouble::Leftover) > 0.1);
+    // One pass on the way down is left out: the next one takes two at once.
+    let mut hasty = milled.planned.path.clone();
+    let level = |block: &super::toolpath::Block| (-2.3..-1.8).contains(&block.to.tip.z);
+    hasty.runs[1].blocks.retain(|block| !level(block));
+    let depth = found(&of(&hasty), Trouble::Depth);
+    assert!(depth > 1.5 * milled.tool.step_down, "{depth}");
     let mut early = milled.planned.path.clone();
     let border = early.runs.pop().unwrap();
     early.runs.insert(0, border);

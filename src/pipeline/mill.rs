@@ -8,7 +8,7 @@ use crate::geometry::mesh::TriMesh;
 use crate::machine::{self, Header, Machine, MachineError, Motion, Program, pose_at};
 use crate::milling::error::MillingError;
 use crate::milling::path::{Planned, Work, path};
-use crate::milling::sweep::finding::Finding;
+use crate::milling::sweep::finding::{Finding, Trouble};
 use crate::milling::sweep::{Figures, Move, Neck, Wanted, inspect};
 use crate::milling::toolpath::{Pose, Rate};
 use crate::profile::{Profile, Tool};
@@ -19,6 +19,9 @@ use crate::solid::strokes::Strokes;
 /// Turns of a rotary axis beyond this within a move, radians, are looked at step by step: a turn too many is seen as the cut
 /// that it makes. Below it a program's moves were divided so that the axis turns evenly.
 const LOOK: f64 = 0.6;
+
+/// Rounding of angles, radians.
+const SWING_PLAY: f64 = 1e-5;
 
 /// How the walls of a sheet stand.
 pub fn walls(profile: &Profile) -> Walls {
@@ -168,15 +171,30 @@ pub fn measure(
     wanted: &Wanted,
 ) -> Result<(Figures, Vec<Finding>), MillError> {
     let mut moves = Vec::new();
+    let mut swings = Vec::new();
     for (name, text) in files {
         let motions = machine::read(text, machine).map_err(|error| MillError::Read(name.clone(), error))?;
-        moves.extend(motions.iter().flat_map(|motion| looked_at(motion, machine)));
+        for motion in &motions {
+            swings.extend(swing(motion, machine, moves.len()));
+            moves.extend(looked_at(motion, machine));
+        }
     }
     let (figures, mut findings) = inspect(&moves, wanted);
+    findings.extend(swings);
     if first_run > 0 {
         findings.retain(|finding| finding.trouble.is_of_a_move());
     }
     Ok((figures, findings))
+}
+
+/// An axis that turns further in one block of a cut than the machine's profile lets it.
+fn swing(motion: &Motion, machine: &Machine, step: usize) -> Option<Finding> {
+    let (rotary, [from, to]) = (machine.rotary.as_ref()?, motion.angles?);
+    let value = (to.tilt - from.tilt).abs().max((to.turn - from.turn).abs());
+    let cuts = !motion.rapid && motion.from.tip.z.min(motion.pose.tip.z) < 0.0;
+    let (at, limit) = (motion.pose.tip, rotary.max_swing);
+    let found = Finding { trouble: Trouble::Jump, at, value, limit, hinge: None, step: Some(step) };
+    (cuts && value > limit + SWING_PLAY).then_some(found)
 }
 
 /// A move of a program as moves of a tool that turns evenly.

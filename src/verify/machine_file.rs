@@ -2,6 +2,7 @@
 
 use kurbo::Point;
 
+use super::cut_name;
 use super::fault::{Check, Fault};
 use crate::fabrication::layout::{CutKind, CutPath};
 
@@ -43,6 +44,17 @@ pub fn hash_comment(hash: &str) -> String {
 impl MachineFile {
     pub(super) fn new(name: &'static str) -> Self {
         Self { name, paths: Vec::new(), engraved: Vec::new(), hash: None, faults: Vec::new() }
+    }
+
+    /// What is wrong with a cut, by its number in cutting order.
+    pub(super) fn cut_fault(
+        &self,
+        check: Check,
+        index: usize,
+        at: impl Into<Option<Point>>,
+        says: impl Into<String>,
+    ) -> Fault {
+        Fault::new(check, self.name, cut_name(&self.paths, index), at, says)
     }
 
     /// Takes note of a comment.

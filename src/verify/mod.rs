@@ -24,6 +24,8 @@ mod copies;
 
 mod coupon;
 
+mod expected;
+
 mod fault;
 
 mod finish;

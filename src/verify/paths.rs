@@ -6,7 +6,7 @@ use rstar::RTree;
 use super::contacts::{Contacts, Pair};
 use super::cut_name;
 use super::fault::{Check, Fault};
-use super::grooves::{FLAT, Grooves, around};
+use super::grooves::{Grooves, around};
 use super::machine_file::{MachineFile, layer_name};
 use super::{Wanted, hinge_points};
 use crate::fabrication::cuts::{bounding_box, ends};
@@ -33,17 +33,16 @@ pub(super) fn check_numbers(file: &MachineFile) -> Vec<Fault> {
             let sizes = [v.point.x.abs(), v.point.y.abs(), v.bulge.abs()];
             !sizes.iter().all(|&size| size < FAR)
         });
-        let what = cut_name(&file.paths, index);
         if let Some(vertex) = bad {
             let v = path.vertices[vertex];
             let says = format!(
                 "vertex {vertex} is ({}, {}) with bulge {}, which is not finite or beyond {FAR} mm",
                 v.point.x, v.point.y, v.bulge
             );
-            faults.push(Fault::new(Check::Numbers, file.name, what, None, says));
+            faults.push(file.cut_fault(Check::Numbers, index, None, says));
         } else if path.vertices.len() < 2 {
             let says = format!("has {} vertices, a cut needs 2", path.vertices.len());
-            faults.push(Fault::new(Check::Numbers, file.name, what, None, says));
+            faults.push(file.cut_fault(Check::Numbers, index, None, says));
         }
     }
     faults
@@ -53,7 +52,7 @@ pub(super) fn check_numbers(file: &MachineFile) -> Vec<Fault> {
 /// further away than it is large are not on it. Measuring them would take time and memory without end.
 pub(super) fn check_extent(file: &MachineFile, profile: &Profile, faults: &mut Vec<Fault>) -> bool {
     let sheet = &profile.sheet;
-    let (length, room) = (file.paths.iter().map(length).sum::<f64>(), sheet.width * sheet.height);
+    let (length, room) = (file.paths.iter().map(CutPath::length).sum::<f64>(), sheet.width * sheet.height);
     let longest = 2.0 * room / profile.cut.min_web + 4.0 * (sheet.width + sheet.height);
     if length > longest {
         let says = format!(
@@ -70,39 +69,18 @@ pub(super) fn check_extent(file: &MachineFile, profile: &Profile, faults: &mut V
     for (index, path) in file.paths.iter().enumerate() {
         if let Some(vertex) = path.vertices.iter().find(|vertex| far(vertex.point)) {
             let says = format!("lies far outside of the stock of {} x {} mm", sheet.width, sheet.height);
-            faults.push(Fault::new(
-                Check::Stock,
-                file.name,
-                cut_name(&file.paths, index),
-                vertex.point,
-                says,
-            ));
+            faults.push(file.cut_fault(Check::Stock, index, vertex.point, says));
             return false;
         }
     }
     true
 }
 
-/// Length of a cut, arcs as they are.
-fn length(path: &CutPath) -> f64 {
-    let count = path.vertices.len();
-    let segments = if path.closed { count } else { count - 1 };
-    let segment = |i: usize| {
-        let (from, to) = (path.vertices[i], path.vertices[(i + 1) % count].point);
-        let (chord, bulge) = (from.point.distance(to), from.bulge.abs());
-        // Radius times sweep; a quarter of the sweep is the bulge's arc tangent.
-        if bulge < 1e-6 { chord } else { chord * (1.0 + bulge * bulge) / bulge * bulge.atan() }
-    };
-    (0..segments).map(segment).sum()
-}
-
 /// Number and length of the cuts per layer.
 pub(super) fn cuts(paths: &[CutPath]) -> Vec<(&'static str, usize, f64)> {
     let of = |kind: CutKind| {
         let all: Vec<_> = paths.iter().filter(|path| path.kind == kind).collect();
-        let length =
-            |path: &&CutPath| -> f64 { path.segments(FLAT).iter().map(|[a, b]| a.distance(*b)).sum() };
-        (layer_name(kind), all.len(), all.iter().map(length).sum())
+        (layer_name(kind), all.len(), all.iter().map(|path| path.length()).sum())
     };
     let kinds = [CutKind::Slit, CutKind::Relief, CutKind::Window, CutKind::Border, CutKind::Lead];
     kinds.into_iter().map(of).filter(|(_, count, _)| *count > 0).collect()
@@ -127,13 +105,7 @@ pub(super) fn check_stock(file: &MachineFile, profile: &Profile, faults: &mut Ve
                 sheet.height,
                 sheet.margin
             );
-            faults.push(Fault::new(
-                Check::Stock,
-                file.name,
-                cut_name(&file.paths, index),
-                part.center(),
-                says,
-            ));
+            faults.push(file.cut_fault(Check::Stock, index, part.center(), says));
         }
     }
     distance(bounding_box(&file.paths))
@@ -150,13 +122,7 @@ pub(super) fn check_segments(file: &MachineFile, faults: &mut Vec<Fault>) -> f64
             shortest = shortest.min(length);
             if length < SHORTEST {
                 let says = format!("segment {i} is {length:.6} mm long, the least is {SHORTEST} mm");
-                faults.push(Fault::new(
-                    Check::Segment,
-                    file.name,
-                    cut_name(&file.paths, index),
-                    from.point,
-                    says,
-                ));
+                faults.push(file.cut_fault(Check::Segment, index, from.point, says));
             }
         }
     }
@@ -190,7 +156,7 @@ pub(super) fn check_borders(file: &MachineFile, wanted: usize, faults: &mut Vec<
             "is cut {border} of {}; it must be the last, as nothing holds the part after it",
             paths.len()
         );
-        faults.push(Fault::new(Check::Border, file.name, cut_name(paths, border), None, says));
+        faults.push(file.cut_fault(Check::Border, border, None, says));
     }
     borders.iter().all(|&border| border >= first && paths[border].closed)
 }
@@ -203,15 +169,13 @@ pub(super) fn check_webs(
     faults: &mut Vec<Fault>,
 ) -> f64 {
     let paths = &file.paths;
-    let length =
-        |path: usize| -> f64 { paths[path].segments(FLAT).iter().map(|[a, b]| a.distance(*b)).sum() };
     let (kerf, limit) = (profile.cut.kerf, profile.cut.min_web);
     let mut web = f64::INFINITY;
     for &Pair { paths: [a, b], gap, at, contact, shared } in contacts.pairs.iter().chain(&contacts.folded) {
         let [first, second] = [a, b].map(|path| cut_name(paths, path));
         if shared > SHARED {
             // What is less than the limit longer than the shared part is the same cut, in whatever direction.
-            let twice = a != b && length(a).max(length(b)) - shared < SHARED;
+            let twice = a != b && paths[a].length().max(paths[b].length()) - shared < SHARED;
             let (check, says) = match twice {
                 true => (
                     Check::Duplicate,
@@ -265,7 +229,7 @@ pub(super) fn check_free_ends(
                  {END_TOLERANCE} mm or end beside a hinge",
                 next_cut(grooves, index, end)
             );
-            faults.push(Fault::new(Check::End, file.name, cut_name(&file.paths, index), end, says));
+            faults.push(file.cut_fault(Check::End, index, end, says));
         }
     }
 }

@@ -1,10 +1,7 @@
 //! Whether every side of every piece is cut where it should be, and nothing else.
 //!
-//! On an open sheet all cuts run along the pieces' own sides. On a closed one the cut between two pieces runs midway
-//! between their sides, but for the bends that lead it straight past hinges, and the border runs outside of the pieces by
-//! up to half a ligament and half a kerf. Near corners, where ligaments are, nothing is asked here.
-
-use std::collections::HashMap;
+//! [`expected`] tells where all cuts should run. Both ways are looked at: whether there is a cut wherever one should run, and
+//! whether every cut runs where one should.
 
 use kurbo::Point;
 use rayon::prelude::*;
@@ -12,151 +9,154 @@ use rstar::RTree;
 use rstar::primitives::{GeomWithData, Line};
 
 use super::Wanted;
-use super::cut_name;
+use super::expected::{self, Expected};
 use super::fault::{Check, Fault};
 use super::grooves::{Grooves, Lines, nearest_line};
 use super::machine_file::MachineFile;
-use crate::fabrication::layout::CutKind;
-use crate::fabrication::states::sheet_vertices;
-use crate::kirigami::design::{PatternKind, State};
+use crate::kirigami::design::State;
 
-/// How far outside of a side at the border its cut may run, in lengths of the side: it bridges the kinks between sides, which are
-/// sharp where the pieces are those of a control mesh.
+/// Largest distance between a cut and where it should run, millimetres.
+pub(super) const DEVIATION: f64 = 0.02;
+/// The same beside corners that are not known, in distances of the two hinges at a corner: slits that bend there are led straight
+/// past both hinges, which moves them by less than that.
+const BEND: f64 = 0.5;
+/// How far outside of a side at the border its cut may run beside such corners, in lengths of the side: it bridges the kinks
+/// between sides.
 const BRIDGED: f64 = 0.3;
 
-/// Largest distance between a cut and the piece's side along which it runs, on an open sheet, millimetres.
-const DEVIATION: f64 = 0.02;
-/// The same on a closed sheet, in distances of the two hinges at a corner: slits that bend at their corners are led
-/// straight past both hinges, which moves them by less than that. Windows of an expanded bistable sheet are so wide beside a
-/// hinge that their ends cut along the pieces' sides, by as much.
-const BEND: f64 = 0.5;
+/// Parts of a line at which it is looked for.
+const PLACES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Largest distance between a cut and the line where it should run, millimetres.
-pub(super) fn limit(wanted: Wanted) -> f64 {
-    let wide = wanted.design.pattern == PatternKind::Bistable;
-    match wanted.design.sheet_state {
-        Some(State::Closed) => BEND * wanted.profile.hinge_gap(),
-        _ if wide => BEND * wanted.profile.hinge_gap(),
-        _ => DEVIATION,
-    }
-}
-
-/// Where a cut should run: one per side of a piece.
+/// Where a cut should run.
 struct Side {
     piece: usize,
     /// The piece on the other side.
     other: Option<usize>,
     ends: [Point; 2],
-    /// How far outside of it the cut may run by design.
-    outside: f64,
+    /// How far from its ends it is not known, millimetres.
+    margin: f64,
+    /// How far the cut may be off it.
+    limit: f64,
+}
+
+/// All lines where cuts should run, and places around which cuts may run otherwise.
+struct Sides {
+    sides: Vec<Side>,
+    unknown: Vec<Point>,
+    /// How far from these places, and from the ends of sides with a margin.
+    corner: f64,
 }
 
 /// The largest deviation, millimetres.
 pub(super) fn check(file: &MachineFile, grooves: &Grooves, wanted: Wanted, faults: &mut Vec<Fault>) -> f64 {
     let profile = wanted.profile;
-    let sides = sides(wanted);
     let corner = 0.5 * profile.ligament_lengths()[1] + profile.ligament.width + profile.cut.kerf;
-    let found: Vec<(f64, Point)> = sides.par_iter().map(|side| farthest(grooves, side, corner)).collect();
-    let limit = limit(wanted);
+    let expected = match wanted.design.sheet_state {
+        Some(State::Closed) => expected::closed(wanted.design, profile, &file.paths),
+        _ => Ok(expected::open(wanted.design, profile)),
+    };
+    let all = match expected {
+        Ok(expected) => Sides::new(expected, wanted, corner),
+        Err(error) => {
+            faults.push(Fault::new(Check::Piece, file.name, "the design", None, error.to_string()));
+            return f64::INFINITY;
+        }
+    };
+    if let Some(side) = all.sides.iter().find(|side| !side.ends.iter().all(|end| end.is_finite())) {
+        let what = format!("piece {}", side.piece);
+        let says = "has collapsed: nobody can tell where it should be cut";
+        faults.push(Fault::new(Check::Piece, file.name, what, None, says));
+        return f64::INFINITY;
+    }
+    let found: Vec<(f64, Point)> = all.sides.par_iter().map(|side| farthest(grooves, side)).collect();
     let mut worst = 0.0_f64;
-    for (side, (deviation, at)) in sides.iter().zip(found) {
-        worst = worst.max(deviation - side.outside);
-        if deviation - side.outside > limit {
+    for (side, (deviation, at)) in all.sides.iter().zip(found) {
+        worst = worst.max(deviation - (side.limit - DEVIATION));
+        if deviation > side.limit {
             let what = match side.other {
                 Some(other) => format!("piece {}, its side to piece {other}", side.piece),
                 None => format!("piece {}, its outer side", side.piece),
             };
             let says = format!(
                 "is not cut: the nearest cut is {deviation:.3} mm away, the limit is {:.3} mm",
-                limit + side.outside
+                side.limit
             );
             faults.push(Fault::new(Check::Piece, file.name, what, at, says));
         }
     }
-    check_strays(file, &sides, wanted, corner, faults);
+    check_strays(file, grooves, &all, faults);
     worst
 }
 
-fn sides(wanted: Wanted) -> Vec<Side> {
-    let Wanted { design, profile, .. } = wanted;
-    let closed = design.sheet_state == Some(State::Closed);
-    let flat = |piece: usize, i: usize| {
-        let vertices = sheet_vertices(design, &design.pieces[piece]);
-        let vertex = &vertices[i % vertices.len()];
-        Point::new(vertex.x, vertex.y)
-    };
-    let mut by_corners = HashMap::new();
-    for (piece, corners) in design.pieces.iter().map(|piece| &piece.corners).enumerate() {
-        for i in 0..corners.len() {
-            by_corners.insert((corners[i], corners[(i + 1) % corners.len()]), (piece, i));
-        }
+impl Sides {
+    fn new(expected: Expected, wanted: Wanted, corner: f64) -> Self {
+        let side = |line: expected::Line| {
+            let expected::Line { ends, piece, other, known } = line;
+            let outside = if other.is_some() { 0.0 } else { BRIDGED * ends[0].distance(ends[1]) };
+            let (margin, limit) =
+                if known { (0.0, DEVIATION) } else { (corner, BEND * wanted.profile.hinge_gap() + outside) };
+            Side { piece, other, ends, margin, limit }
+        };
+        Sides { sides: expected.lines.into_iter().map(side).collect(), unknown: expected.unknown, corner }
     }
-    let mut sides = Vec::new();
-    for (piece, corners) in design.pieces.iter().map(|piece| &piece.corners).enumerate() {
-        for i in 0..corners.len() {
-            let own = [flat(piece, i), flat(piece, i + 1)];
-            let neighbour = by_corners.get(&(corners[(i + 1) % corners.len()], corners[i]));
-            let other = neighbour.map(|&(other, _)| other);
-            let (ends, outside) = match neighbour {
-                Some(&(other, _)) if closed && other < piece => continue,
-                Some(&(other, k)) if closed => {
-                    ([own[0].midpoint(flat(other, k + 1)), own[1].midpoint(flat(other, k))], 0.0)
-                }
-                None if closed => (own, 0.5 * profile.hinge_gap() + BRIDGED * own[0].distance(own[1])),
-                _ => (own, 0.0),
-            };
-            sides.push(Side { piece, other, ends, outside });
-        }
-    }
-    sides
 }
 
-/// The largest distance from a side's middle part to the nearest cut, and where.
-fn farthest(grooves: &Grooves, side: &Side, corner: f64) -> (f64, Point) {
+/// The largest distance from a side to the nearest cut, and where.
+fn farthest(grooves: &Grooves, side: &Side) -> (f64, Point) {
     let [from, to] = side.ends;
-    let margin = (corner / from.distance(to)).min(0.4);
-    let sample = |i: usize| {
-        let at = from.lerp(to, margin + (1.0 - 2.0 * margin) * i as f64 / 2.0);
+    let margin = (side.margin / from.distance(to)).min(0.4);
+    let sample = |part: f64| {
+        let at = from.lerp(to, margin + (1.0 - 2.0 * margin) * part);
         (grooves.nearest(at).map_or(f64::INFINITY, |(distance, _)| distance), at)
     };
-    (0..3).map(sample).fold((0.0, from), |worst, next| if next.0 > worst.0 { next } else { worst })
+    PLACES
+        .into_iter()
+        .map(sample)
+        .fold((0.0, from), |worst, next| if next.0 > worst.0 { next } else { worst })
 }
 
 /// Cuts where no side is.
-fn check_strays(file: &MachineFile, sides: &[Side], wanted: Wanted, corner: f64, faults: &mut Vec<Fault>) {
+fn check_strays(file: &MachineFile, grooves: &Grooves, all: &Sides, faults: &mut Vec<Fault>) {
     let line = |(i, side): (usize, &Side)| {
         let [from, to] = side.ends.map(|point| [point.x, point.y]);
         GeomWithData::new(Line::new(from, to), i)
     };
-    let tree: Lines = RTree::bulk_load(sides.iter().enumerate().map(line).collect());
-    let profile = wanted.profile;
-    let bar = 0.5 * profile.ligament_lengths()[1] + profile.ligament.width + profile.cut.kerf;
-    let limit = limit(wanted);
-    // How far a cut strays, and the limit where that is worst.
-    let stray = |index: usize| -> (f64, f64, Point) {
-        let path = &file.paths[index];
-        let vertices = &path.vertices;
-        let last = if path.closed { vertices.len() } else { vertices.len() - 1 };
-        let middles = (0..last).map(|i| vertices[i].point.midpoint(vertices[(i + 1) % vertices.len()].point));
-        let points = vertices.iter().map(|vertex| vertex.point).chain(middles);
-        let mut worst = (0.0, limit, vertices[0].point);
-        for point in points {
-            let Some((distance, near)) = nearest_line(&tree, point, bar) else { continue };
-            let side = &sides[near];
-            let at_corner = side.ends.iter().any(|end| end.distance(point) <= corner);
-            let limit = if at_corner || path.kind == CutKind::Relief { bar } else { limit + side.outside };
+    let tree: Lines = RTree::bulk_load(all.sides.iter().enumerate().map(line).collect());
+    let unknown = RTree::bulk_load(all.unknown.iter().map(|at| [at.x, at.y]).collect());
+    let corner = all.corner;
+    let limit_at = |side: &Side, at: Point| {
+        let near = |end: &Point| side.margin > 0.0 && end.distance(at) <= corner;
+        let beside = side.ends.iter().any(near)
+            || unknown
+                .nearest_neighbor(&[at.x, at.y])
+                .is_some_and(|&[x, y]| at.distance(Point::new(x, y)) <= corner);
+        if beside { side.limit.max(corner) } else { side.limit }
+    };
+    // How far a segment strays, and the limit where that is worst.
+    let stray = |segment: usize| -> (f64, f64, Point) {
+        let [from, to] = grooves.segments[segment].ends;
+        let mut worst = (0.0, DEVIATION, from);
+        for at in PLACES.map(|part| from.lerp(to, part)) {
+            let Some((distance, near)) = nearest_line(&tree, at, corner) else { continue };
+            let limit = limit_at(&all.sides[near], at);
             if distance - limit > worst.0 - worst.1 {
-                worst = (distance, limit, point);
+                worst = (distance, limit, at);
             }
         }
         worst
     };
-    let found: Vec<(f64, f64, Point)> = (0..file.paths.len()).into_par_iter().map(stray).collect();
-    for (index, (distance, limit, at)) in found.into_iter().enumerate() {
+    let found: Vec<(f64, f64, Point)> = (0..grooves.segments.len()).into_par_iter().map(stray).collect();
+    let segments = grooves.segments.iter().zip(found).collect::<Vec<_>>();
+    for of_cut in segments.chunk_by(|a, b| a.0.path == b.0.path) {
+        let worst = of_cut.iter().map(|(_, found)| *found);
+        let Some((distance, limit, at)) = worst.max_by(|a, b| (a.0 - a.1).total_cmp(&(b.0 - b.1))) else {
+            continue;
+        };
         if distance > limit {
-            let says =
-                format!("runs {distance:.3} mm from the nearest piece's side, the limit is {limit:.3} mm");
-            faults.push(Fault::new(Check::Piece, file.name, cut_name(&file.paths, index), at, says));
+            let says = format!(
+                "runs {distance:.3} mm from where the nearest cut should be, the limit is {limit:.3} mm"
+            );
+            faults.push(file.cut_fault(Check::Piece, of_cut[0].0.path, at, says));
         }
     }
 }

@@ -40,7 +40,7 @@ pub fn table(figures: &Figures, wanted: Wanted) -> String {
         row(
             "piece off its sides",
             millimetres(figures.piece_deviation),
-            format!("{:.3} mm", pieces::limit(wanted)),
+            format!("{:.3} mm", pieces::DEVIATION),
         ),
         row(
             "ligament width",

@@ -9,9 +9,6 @@ use crate::fabrication::layout::{CutKind, CutPath, Tabs};
 use crate::fabrication::order::{Rest, Travel, least_way, travel};
 use crate::profile::{Machine, Profile};
 
-/// Chords stay so near to arcs where lengths are measured, millimetres.
-const FLAT: f64 = 1e-3;
-
 /// Seconds, estimated at constant speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times {
@@ -235,13 +232,6 @@ impl Taken {
             travel: self.travel.length - plain.travel.length,
             time: time(self).zip(time(plain)).map(|(own, plain)| own - plain),
         }
-    }
-}
-
-impl CutPath {
-    /// Length of the centre line, millimetres.
-    pub fn length(&self) -> f64 {
-        self.segments(FLAT).iter().map(|[a, b]| a.distance(*b)).sum()
     }
 }
 

@@ -19,7 +19,7 @@ fn turning_the_sheet_turns_the_cuts() {
 fn fingerprint(paths: &[CutPath]) -> Vec<(CutKind, i64, usize)> {
     let mut prints: Vec<_> = paths
         .iter()
-        .map(|path| (path.kind, (1e6 * length(path)).round() as i64, path.vertices.len()))
+        .map(|path| (path.kind, (1e6 * path.length()).round() as i64, path.vertices.len()))
         .collect();
     prints.sort();
     prints

@@ -23,7 +23,9 @@ pub enum Trouble {
     Spindle,
     /// Too fast, or down too fast.
     Feed,
-    /// The tool jumps from one place to another or turns too far in one move.
+    /// More is cut at once than a pass may take.
+    Depth,
+    /// The tool jumps from one place to another; it, or an axis of the machine, turns too far in one move.
     Jump,
     /// The sheet falls apart before its border is cut.
     Body,
@@ -95,6 +97,10 @@ impl fmt::Display for Finding {
                 )
             }
             Trouble::Feed => write!(f, "the feed is {value:.0} mm/min {place}, the limit is {limit:.0}"),
+            Trouble::Depth => write!(
+                f,
+                "the tool cuts {value:.3} mm deep at once {place}, the limit is {limit} mm: a pass is missing, or the way is off"
+            ),
             Trouble::Jump => write!(f, "the tool turns or jumps by {value:.3} {place}, the limit is {limit}"),
             Trouble::Body => {
                 write!(

@@ -4,9 +4,11 @@
 //! move is cut to the line that the tool's axis draws there ([`section`]); a tilted cylinder's section is an ellipse that
 //! reaches R sqrt(1 + s^2) from that line where the axis leans by s. Held against it are the walls of `part.stl` and the
 //! hinges' axes at that height ([`mod@slice`]); what needs no material, such as speeds and heights, is looked at move by move
-//! ([`moves`]).
+//! ([`moves`]), and every place for how deep the tool cuts there at once ([`depth`]).
 //!
 //! Frame: the program's; x and y as on the sheet, z = 0 on top of the stock. The part's own z = 0 is its mid-plane.
+
+pub mod depth;
 
 pub mod finding;
 
@@ -137,11 +139,12 @@ pub struct Figures {
 /// Measures a program.
 pub fn inspect(moves: &[Move], wanted: &Wanted) -> (Figures, Vec<Finding>) {
     let heights: Vec<f64> = HEIGHTS.iter().map(|part| (part - 1.0) * wanted.thickness).collect();
-    let (slices, (moved, bodies)) = rayon::join(
+    let (slices, (moved, depths, bodies)) = rayon::join(
         || heights.par_iter().map(|&z| Slice::new(moves, z, wanted)).collect::<Vec<_>>(),
-        || (moves::check(moves, wanted), bodies::before_border(moves, wanted)),
+        || (moves::check(moves, wanted), depth::check(moves, wanted), bodies::before_border(moves, wanted)),
     );
     let mut findings = moved.findings;
+    findings.extend(depths);
     let mut figures = Figures {
         gouge: 0.0,
         leftover: 0.0,
