@@ -221,6 +221,11 @@ mod unix {
             refused(&folder, &["make", "job.toml", "-o", output], 1, &[output, "name a"]);
         }
         assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+        // Told before the work, which this job would not get through: its part is larger than the stock.
+        std::fs::write(folder.join("large.toml"), job_on("target.obj", "\nsize_mm = 5000.0")).unwrap();
+        refused(&folder, &["design", "large.toml", "-o", "large.json"], 2, &["scale the target by at most"]);
+        refused(&folder, &["design", "large.toml", "-o", "."], 1, &["this is a folder"]);
+        refused(&folder, &["design", "large.toml", "--map", "/dev/null/map.svg"], 1, &["map.svg"]);
         // A file that never ends.
         symlink("/dev/zero", folder.join("zero.obj")).unwrap();
         std::fs::write(folder.join("zero.toml"), job_on("zero.obj", "")).unwrap();

@@ -12,7 +12,7 @@ use crate::job::read_job;
 use crate::kirigami::feasibility::{Feasibility, Verdict};
 use crate::output::design_json::{self, DesignFile, Provenance, WriteDesignError};
 use crate::output::stretch_map;
-use crate::output::whole_file::write_whole;
+use crate::output::whole_file::{self, write_whole};
 use crate::pipeline::{Designed, Prediction, placed_design, predict, source_hashes};
 
 /// The flags.
@@ -41,6 +41,10 @@ pub fn run(options: &Arguments) -> Result<(), Failure> {
     let name = options.job.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let map = options.map.as_deref().map(|map| is_html(map).map(|html| (map, html))).transpose()?;
     let file = options.output.clone().unwrap_or_else(|| Path::new("out").join(format!("{name}.design.json")));
+    // Before the work, not after it.
+    for file in [Some(&file), options.map.as_ref()].into_iter().flatten() {
+        whole_file::check(file).map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+    }
     // What an interrupted run leaves goes beside the design.
     let folder = file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let partial = Resumable::new(&job, &options.job, folder);

@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::leftover::{Kind, begin, resolved};
 
@@ -18,13 +18,7 @@ pub fn write_whole<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let path = resolved(path)?;
-    if path.is_dir() {
-        return Err(io::Error::other("this is a folder; name a file").into());
-    }
-    if path.exists() && !path.is_file() {
-        return Err(io::Error::other("this is a device or pipe; name another place").into());
-    }
+    let path = check(path)?;
     fs::create_dir_all(path.parent().unwrap_or(Path::new("/")))?;
     let partial = begin(&path, Kind::File)?;
     let file = partial.handle.as_ref().expect("files are opened").try_clone()?;
@@ -39,6 +33,21 @@ pub fn write_whole<E: From<io::Error>>(
         let _ = fs::remove_file(&partial.path);
     }
     result
+}
+
+/// Checks that a file may be written at `path`, and tells where that leads. Nothing is written yet.
+///
+/// # Errors
+/// A folder, device or pipe in the file's place, or a link that leads nowhere.
+pub fn check(path: &Path) -> io::Result<PathBuf> {
+    let path = resolved(path)?;
+    if path.is_dir() {
+        return Err(io::Error::other("this is a folder; name a file"));
+    }
+    if path.exists() && !path.is_file() {
+        return Err(io::Error::other("this is a device or pipe; name another place"));
+    }
+    Ok(path)
 }
 
 /// The content of a file of at most a gibibyte.
