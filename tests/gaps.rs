@@ -89,7 +89,8 @@ fn sheets_that_are_cut_open_carry_their_poles_away_from_the_windows_that_close()
     let own = profile("steel-304-0.5mm", &[("ligament", "pole_offset = \"ideal-arc\"")]);
     let folder = peers::fresh_folder("gaps-open-pole");
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
-    let job = fs::read_to_string(samples.join("closing.toml")).unwrap().replace("steel-304-0.5mm", "own.toml");
+    let job =
+        fs::read_to_string(samples.join("closing.toml")).unwrap().replace("steel-304-0.5mm", "own.toml");
     fs::copy(samples.join("closing.obj"), folder.join("closing.obj")).unwrap();
     fs::write(folder.join("own.toml"), own).unwrap();
     fs::write(folder.join("job.toml"), job).unwrap();
