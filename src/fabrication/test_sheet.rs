@@ -241,6 +241,19 @@ pub fn assert_moved(before: &[CutPath], after: &[CutPath], motion: impl Fn(f64, 
     }
 }
 
+/// The design after a motion of the sheet plane, its pieces, vertices and hinges unchanged in number.
+pub fn moved(design: &Design, motion: impl Fn(f64, f64) -> [f64; 2]) -> Design {
+    let apply = |p: &mut Point3| {
+        let [x, y] = motion(p.x, p.y);
+        *p = Point3::new(x, y, p.z);
+    };
+    let mut design = design.clone();
+    design.corners.iter_mut().for_each(apply);
+    design.pieces.iter_mut().flat_map(|piece| &mut piece.closed).for_each(apply);
+    design.hinges.iter_mut().map(|hinge| &mut hinge.point).for_each(apply);
+    design
+}
+
 /// Sheets that the tests share: square and oblong cells, a trimmed outline, one with a window.
 pub fn sheets() -> Vec<(TestSheet, f64)> {
     let gap = profile().hinge_gap();

@@ -16,7 +16,7 @@ use super::hinge_table::Verdict;
 use super::layout::{CutKind, CutPath};
 use super::ligament::MeasuredLigament;
 use super::outline::area;
-use super::test_sheet::{ROUNDING, TestSheet, assert_moved, profile, sheets, turn};
+use super::test_sheet::{ROUNDING, TestSheet, assert_moved, moved, profile, sheets, turn};
 use super::web::CutIndex;
 use crate::geometry::{Point3, Vector3};
 use crate::kirigami::design::Design;
@@ -41,19 +41,6 @@ fn cuts(design: &Design, profile: &Profile, length: f64) -> (CutSet, Vec<Measure
 
 fn count(paths: &[CutPath], kind: CutKind) -> usize {
     paths.iter().filter(|path| path.kind == kind).count()
-}
-
-/// The design after a motion of the sheet plane, its pieces, vertices and hinges unchanged in number.
-fn moved(design: &Design, motion: impl Fn(f64, f64) -> [f64; 2]) -> Design {
-    let apply = |p: &mut Point3| {
-        let [x, y] = motion(p.x, p.y);
-        *p = Point3::new(x, y, p.z);
-    };
-    let mut design = design.clone();
-    design.corners.iter_mut().for_each(apply);
-    design.pieces.iter_mut().flat_map(|piece| &mut piece.closed).for_each(apply);
-    design.hinges.iter_mut().map(|hinge| &mut hinge.point).for_each(apply);
-    design
 }
 
 #[test]

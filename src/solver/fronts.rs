@@ -14,6 +14,8 @@ pub struct Front {
     pub children: Vec<usize>,
     /// For each row its place in the parent's front.
     pub into_parent: Vec<u32>,
+    /// The rows in runs whose places follow each other: where each ends.
+    pub runs: Vec<u32>,
     /// Where its panel starts in the factor.
     pub panel: usize,
     /// Which of its task's two stacks holds its update: the other one than its children's, so that they do not overlap.
@@ -118,6 +120,7 @@ impl Fronts {
                 rows: below,
                 children: Vec::new(),
                 into_parent: Vec::new(),
+                runs: Vec::new(),
                 panel,
                 stack: 0,
                 update: 0,
@@ -130,6 +133,7 @@ impl Fronts {
             if let Some(parent) = parents[part].map(|parent| number[parent]) {
                 fronts[parent].children.push(new);
                 fronts[new].into_parent = places_in(&fronts[parent], &fronts[new].rows);
+                fronts[new].runs = runs(&fronts[new].into_parent);
             }
         }
         let task_numbers: Vec<usize> = sequence.iter().map(|&part| task_of[part]).collect();
@@ -157,6 +161,15 @@ fn starts(sizes: impl Iterator<Item = usize>) -> Vec<usize> {
 
 fn places_in(front: &Front, positions: &[u32]) -> Vec<u32> {
     positions.iter().map(|&position| Fronts::place_in(front, position as usize) as u32).collect()
+}
+
+/// Where runs of consecutive numbers end.
+fn runs(places: &[u32]) -> Vec<u32> {
+    let ends = places.chunk_by(|a, b| a + 1 == *b).scan(0, |end, run| {
+        *end += run.len() as u32;
+        Some(*end)
+    });
+    ends.collect()
 }
 
 /// The rows below each part: what its blocks and its children couple to it. A part's parent may hold none of

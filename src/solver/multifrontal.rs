@@ -317,20 +317,31 @@ fn add_to_panel<T: Real>(child: &Front, source: &[T], panel: &mut [T], parent: &
     let own = places.partition_point(|&place| (place as usize) < parent.columns.len());
     for (j, &column) in places[..own].iter().enumerate() {
         let target = &mut panel[column as usize * size..][..size];
-        let entries = source[j * rows + j..(j + 1) * rows].iter().zip(&places[j..]);
-        entries.for_each(|(value, &place)| target[place as usize] += *value);
+        add_column(child, j, &source[j * rows..][..rows], 0, target);
     }
 }
 
 /// Adds the update of a child to the rows below the columns that its parent eliminates.
 fn add_to_update<T: Real>(child: &Front, source: &[T], update: &mut [T], parent: &Front) {
     let places = &child.into_parent;
-    let (rows, columns) = (places.len(), parent.columns.len());
+    let (rows, columns, below) = (places.len(), parent.columns.len(), parent.rows.len());
     let own = places.partition_point(|&place| (place as usize) < columns);
     for (j, &column) in places.iter().enumerate().skip(own) {
-        let target = &mut update[(column as usize - columns) * parent.rows.len()..][..parent.rows.len()];
-        let entries = source[j * rows + j..(j + 1) * rows].iter().zip(&places[j..]);
-        entries.for_each(|(value, &place)| target[place as usize - columns] += *value);
+        let target = &mut update[(column as usize - columns) * below..][..below];
+        add_column(child, j, &source[j * rows..][..rows], columns, target);
+    }
+}
+
+/// Adds column `j` of a child's update, from the diagonal on, to one of its parent's that begins at place `first`.
+fn add_column<T: Real>(child: &Front, j: usize, source: &[T], first: usize, target: &mut [T]) {
+    let mut from = j;
+    let next = child.runs.partition_point(|&end| end as usize <= j);
+    for &end in &child.runs[next..] {
+        let end = end as usize;
+        let at = child.into_parent[from] as usize - first;
+        let values = &source[from..end];
+        target[at..at + values.len()].iter_mut().zip(values).for_each(|(sum, value)| *sum += *value);
+        from = end;
     }
 }
 

@@ -40,6 +40,7 @@ struct Share {
     above: Above,
     residuals: Vec<f64>,
     jacobian: Vec<f64>,
+    products: Vec<f64>,
     sums: Vec<f64>,
 }
 
@@ -149,11 +150,12 @@ fn deal(pattern: &Pattern, places: &[[f64; 2]], terms: &[Weighted]) -> Vec<Share
 impl Share {
     fn find_slots(&mut self, pattern: &Pattern, places: &[[f64; 2]], terms: &[Weighted]) {
         let (mut slots, mut rows) = (Vec::new(), Vec::new());
-        let (mut most_rows, mut most_entries) = (0, 0);
+        let (mut most_rows, mut most_columns, mut most_entries) = (0, 0, 0);
         for &(t, b) in &self.blocks {
             let Weighted { term, coupling, .. } = &terms[t as usize];
             let unknowns = term.unknowns(b as usize);
             most_rows = most_rows.max(term.rows(b as usize));
+            most_columns = most_columns.max(unknowns.len());
             most_entries = most_entries.max(term.rows(b as usize) * unknowns.len());
             let position = |u: &usize| pattern.fronts.position[*u];
             rows.extend(unknowns.iter().map(position).map(|u| u as usize));
@@ -176,6 +178,7 @@ impl Share {
         }
         self.residuals = vec![0.0; most_rows];
         self.jacobian = vec![0.0; most_entries];
+        self.products = vec![0.0; most_columns * (most_columns + 1) / 2];
         (self.slots, self.above.slots) = keep_apart(&slots, &self.own_entries);
         (self.rows, self.above.rows) = keep_apart(&rows, &self.own_rows);
         self.above.values = vec![0.0; self.above.slots.len()];
@@ -208,15 +211,11 @@ impl Share {
                 let (mine, rest) = slots.split_at(run.len() * (run.len() + 1) / 2);
                 slots = rest;
                 if weight > 0.0 {
-                    let mut mine = mine.iter();
-                    for i in run.clone() {
-                        for j in run.start..=i {
-                            let product: f64 = (0..count)
-                                .map(|row| jacobian[row * columns + i] * jacobian[row * columns + j])
-                                .sum();
-                            let slot = *mine.next().expect("one slot per product");
-                            add(entries, &mut self.above.values, slot, weight * product);
-                        }
+                    let products = &mut self.products[..mine.len()];
+                    let rows = jacobian.chunks_exact(columns).map(|row| &row[run.clone()]);
+                    multiply(rows, products);
+                    for (slot, product) in mine.iter().zip(products) {
+                        add(entries, &mut self.above.values, *slot, weight * *product);
                     }
                 }
             };
@@ -249,6 +248,19 @@ impl Share {
             jacobian.fill(0.0);
             term.evaluate(b, x, residuals, jacobian);
             self.sums[t as usize] += residuals.iter().map(|r| r * r).sum::<f64>();
+        }
+    }
+}
+
+/// The lower triangle of the products of a block's columns, row after row: sums over the rows of its Jacobian.
+fn multiply<'a>(rows: impl Iterator<Item = &'a [f64]>, products: &mut [f64]) {
+    products.fill(0.0);
+    for row in rows {
+        let mut rest = &mut *products;
+        for (i, &value) in row.iter().enumerate() {
+            let (line, after) = rest.split_at_mut(i + 1);
+            line.iter_mut().zip(row).for_each(|(product, other)| *product += value * other);
+            rest = after;
         }
     }
 }

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{Expected, Line, crossing};
 use crate::fabrication::layout::{CutKind, CutPath, PathVertex};
-use crate::fabrication::mechanics::required_length;
+use crate::fabrication::mechanics::{pole_offset, required_length};
 use crate::fabrication::states::motions;
 use crate::geometry::Vector3;
 use crate::geometry::rotation::RigidMotion;
@@ -22,10 +22,8 @@ use crate::verify::grooves::FLAT;
 
 /// The burned radius at a ligament's root, in its widths.
 const ROOT: f64 = 0.25;
-/// Arcs with a shorter chord are left out, millimetres.
+/// Arcs with a shorter chord and lower walls are left out, millimetres.
 const SHORTEST: f64 = 0.011;
-/// So are walls that are lower, millimetres.
-const LOWEST: f64 = 0.01;
 /// A wall's arc takes so much of it at most.
 const OF_WALL: f64 = 0.9;
 /// A piece's corner whose sine is less is straight.
@@ -57,8 +55,8 @@ struct Sheet<'a> {
     pieces: HashMap<[usize; 2], usize>,
     /// The hinge at a piece's vertex.
     hinges: HashMap<(usize, usize), usize>,
-    /// From the first piece of each hinge to the second, along the ligament.
-    along: Vec<Vec2>,
+    /// The middle of each hinge's ligament, and its direction from the hinge's first piece to the second.
+    ligaments: Vec<Straight>,
     /// Distance of a flat from its hinge point.
     beside: f64,
     /// Radius of the cut at roots.
@@ -75,11 +73,11 @@ impl<'a> Sheet<'a> {
         }
         let ends = |(id, hinge): (usize, &Hinge)| [0, 1].map(|i| ((hinge.pieces[i], hinge.vertices[i]), id));
         let hinges = design.hinges.iter().enumerate().flat_map(ends).collect();
-        let along = design.hinges.iter().map(|hinge| along(design, hinge)).collect();
+        let ligaments = design.hinges.iter().map(|hinge| ligament(design, profile, hinge)).collect();
         let (width, kerf) = (profile.ligament.width, profile.cut.kerf);
         let root = (ROOT * width - 0.5 * kerf).max(0.0);
         let beside = 0.5 * (width + kerf);
-        Sheet { design, profile, motions: motions(design), pieces, hinges, along, beside, root }
+        Sheet { design, profile, motions: motions(design), pieces, hinges, ligaments, beside, root }
     }
 
     /// The piece on the other side of the closed edge along which a side lies.
@@ -122,10 +120,10 @@ impl<'a> Sheet<'a> {
 
     /// From a side to the middle of the flat beside a hinge. `side`: where it begins at the hinge, and its direction from there.
     fn root(&self, piece: usize, hinge: usize, (at, far): Straight, leaves: bool) -> Vec<Point> {
-        let Hinge { pieces, point, angle, .. } = &self.design.hinges[hinge];
-        let centre = Point::new(point.x, point.y);
+        let Hinge { pieces, angle, .. } = &self.design.hinges[hinge];
+        let (centre, along) = self.ligaments[hinge];
         // A cut travels with its piece to the left: where the side leaves it comes from the other piece.
-        let along = if (pieces[1] == piece) == leaves { self.along[hinge] } else { -self.along[hinge] };
+        let along = if (pieces[1] == piece) == leaves { along } else { -along };
         let outwards = if leaves { along } else { -along };
         let window = -along.turn_90();
         let (foot, [dx, dy]) = (centre + self.beside * window, [far.dot(outwards), far.dot(window)]);
@@ -136,7 +134,7 @@ impl<'a> Sheet<'a> {
         let top = crossing((at, far), (wall_foot, window)).filter(|_| dx > 0.0);
         let wall = top.map_or(f64::INFINITY, |top| (top - wall_foot).dot(window));
         let mut points = match top {
-            Some(top) if (natural - foot).dot(outwards) - beyond < half && wall >= LOWEST => {
+            Some(top) if (natural - foot).dot(outwards) - beyond < half && wall >= SHORTEST => {
                 let radius = self.root.min(OF_WALL * wall);
                 let mut points = vec![top];
                 points.extend(rounded(-window, wall_foot, -outwards, radius));
@@ -150,7 +148,7 @@ impl<'a> Sheet<'a> {
 
     /// Length of the straight cut beside a ligament.
     fn flat(&self, angle: f64) -> f64 {
-        let length = required_length(self.profile, angle).unwrap_or(self.profile.ligament_lengths()[1]);
+        let length = asked(self.profile, angle);
         let notch = matches!(self.profile.ligament.shape, Shape::Notch { .. });
         if notch { length - self.profile.cut.kerf } else { length }
     }
@@ -174,6 +172,21 @@ impl<'a> Sheet<'a> {
 fn vertices(design: &Design, piece: usize, of: [usize; 2]) -> [Point; 2] {
     let open = &design.pieces[piece].open;
     of.map(|vertex| open[vertex % open.len()]).map(|at| Point::new(at.x, at.y))
+}
+
+/// The free length of a ligament.
+fn asked(profile: &Profile, angle: f64) -> f64 {
+    required_length(profile, angle).unwrap_or(profile.ligament_lengths()[1])
+}
+
+/// A ligament's middle and direction. It stands off its hinge point by the offset of its pole, away from the window that closes.
+fn ligament(design: &Design, profile: &Profile, hinge: &Hinge) -> Straight {
+    let (point, along) = (Point::new(hinge.point.x, hinge.point.y), along(design, hinge));
+    if design.pattern == PatternKind::Bistable {
+        return (point, along);
+    }
+    let pole = pole_offset(profile, asked(profile, hinge.angle), hinge.angle);
+    (point - hinge.axis.z.signum() * pole * along.turn_90(), along)
 }
 
 /// Unit direction of a ligament from its hinge's first piece to the second: halfway between the middles of both pieces' corners
