@@ -235,8 +235,11 @@ mod unix {
         assert!(
             std::process::Command::new("mkfifo").arg(folder.join("pipe.toml")).status().unwrap().success()
         );
-        for command in ["make", "design", "check"] {
-            refused(&folder, &[command, "pipe.toml"], 1, &["pipe.toml", "device or pipe"]);
+        let steel = "steel-304-0.5mm";
+        for arguments in
+            [&["make", "pipe.toml"][..], &["design", "pipe.toml"], &["check", "pipe.toml", "-p", steel]]
+        {
+            refused(&folder, arguments, 1, &["pipe.toml", "device or pipe"]);
         }
         let out = program::made(&folder, "job.toml", "out");
         for name in ["cut.dxf", "cut.svg", "hinges.json", "design.json"] {

@@ -190,7 +190,7 @@ fn each_key_is_required_or_optional_as_meant() {
             Err(error) => assert!(error.to_string().contains(name), "{error}"),
         }
     }
-    assert_eq!(optional, ["ligament.shape", "material.endurance_strain"]);
+    assert_eq!(optional, ["ligament.shape", "machine.engrave_speed_mm_per_s", "material.endurance_strain"]);
     let without =
         text.lines().filter(|line| !line.starts_with("coffin_manson")).collect::<Vec<_>>().join("\n");
     assert_eq!(read(&without).unwrap().material.coffin_manson, None);

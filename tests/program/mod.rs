@@ -150,7 +150,7 @@ pub fn asked(program: Option<Command>, arguments: &[&dyn AsRef<OsStr>]) -> Optio
     Some(serde_json::from_str(&run.stdout).unwrap())
 }
 
-/// Everything below a folder by path: the bytes of files, `None` for folders.
+/// Everything below a folder by path: the bytes of files, `None` for what is no file.
 pub type Listing = BTreeMap<PathBuf, Option<Vec<u8>>>;
 
 /// Lists a folder with all that is below.
@@ -160,10 +160,11 @@ pub fn listing(folder: &Path) -> Listing {
     while let Some(at) = open.pop() {
         for entry in std::fs::read_dir(&at).unwrap() {
             let path = entry.unwrap().path();
-            let content = (!path.is_dir()).then(|| std::fs::read(&path).unwrap());
-            if content.is_none() {
+            if path.is_dir() {
                 open.push(path.clone());
             }
+            // Pipes and devices have no end.
+            let content = path.is_file().then(|| std::fs::read(&path).unwrap());
             found.insert(path, content);
         }
     }
