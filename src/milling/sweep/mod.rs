@@ -144,7 +144,6 @@ pub fn inspect(moves: &[Move], wanted: &Wanted) -> (Figures, Vec<Finding>) {
         || (moves::check(moves, wanted), depth::check(moves, wanted), bodies::before_border(moves, wanted)),
     );
     let mut findings = moved.findings;
-    findings.extend(depths);
     let mut figures = Figures {
         gouge: 0.0,
         leftover: 0.0,
@@ -173,6 +172,8 @@ pub fn inspect(moves: &[Move], wanted: &Wanted) -> (Figures, Vec<Finding>) {
         findings.extend(slice.neck_findings(wanted));
     }
     findings.extend(bodies.findings);
+    // A way that is off is too deep nearly everywhere: what it does to the part comes first.
+    findings.extend(depths);
     (figures, findings)
 }
 
