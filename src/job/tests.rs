@@ -132,7 +132,11 @@ fn keys_left_out_have_their_documented_defaults() {
         ["target.closed_size_mm", "guide.weight", "fabrication.sheet_state", "fabrication.machine"];
     for (key, _) in DEFAULTS.into_iter().filter(|(key, _)| !elsewhere.contains(key)) {
         let name = key.rsplit('.').next().unwrap();
-        folder.read(&with(name, "")).unwrap_or_else(|error| panic!("{key}: {error}"));
+        // What belongs to it goes with it.
+        let with_it = [("order", "cool_"), ("tabs", "tab_mm")].into_iter().find(|(of, _)| *of == name);
+        let stays = |line: &&str| with_it.is_none_or(|(_, also)| !line.starts_with(also));
+        let text = with(name, "").lines().filter(stays).collect::<Vec<_>>().join("\n");
+        folder.read(&text).unwrap_or_else(|error| panic!("{key}: {error}"));
         shortest = shortest.lines().filter(|line| !line.starts_with(name)).collect::<Vec<_>>().join("\n");
     }
     let job = folder.read(&shortest).unwrap();

@@ -14,7 +14,18 @@ fn leads_and_tabs_that_cannot_be() {
     assert!(found.help.contains("an ARC of an R12 file has no direction"), "{found}");
     let arc = cut(&scrap("leads = \"arc\"").replace("dxf = \"r12\"", "")).leads;
     assert_eq!(arc.unwrap().shape, LeadShape::Arc);
-    assert_eq!(cut(&scrap("").replace("pierce = \"scrap\"", "")).leads, None);
+    let without = scrap("").replace("pierce = \"scrap\"", "");
+    assert_eq!(cut(&without.replace("lead_mm = 1.5", "")).leads, None);
+    // Keys that would do nothing are told.
+    for (text, key) in [
+        (without, "lead_mm"),
+        (with("tabs", ""), "tab_mm"),
+        (with("order", ""), "cool_s"),
+        (with("order", "").replace("cool_s = 7.5", ""), "cool_mm"),
+    ] {
+        let found = folder.diagnostic(&text);
+        assert!(found.message.contains("without effect here") && found.key.contains(key), "{found}");
+    }
     let mid_slit = with("pierce", "pierce = \"mid-slit\"");
     let found = folder.diagnostic(&mid_slit);
     assert!(found.message.contains("not possible with dxf = \"r12\""), "{found}");
@@ -22,11 +33,11 @@ fn leads_and_tabs_that_cannot_be() {
     assert!(mid_slit.pierce == Pierce::MidSlit && mid_slit.leads.is_some());
     let found = folder.diagnostic(&scrap("leads = \"none\""));
     assert!(found.message.contains("not possible with pierce = \"scrap\""), "{found}");
-    // 0.35 mm is the least web of the profile; a width without tabs does nothing.
+    // 0.35 mm is the least web of the profile.
     let found = folder.diagnostic(&with("tab_mm", "tab_mm = 0.3"));
     assert!(found.message.contains("at least the profile's min_web_mm = 0.35"), "{found}");
     assert_eq!(cut(&with("tab_mm", "")).tabs, Some(TabWish { count: 3, width: 0.35 }));
-    assert_eq!(cut(&with("tabs", "")).tabs, None);
+    assert_eq!(cut(&with("tabs", "").replace("tab_mm = 0.6", "")).tabs, None);
     assert!(folder.diagnostic(&with("tabs", "tabs = 0")).message.contains("1 to 1000"));
     assert!(folder.diagnostic(&with("lead_mm", "lead_mm = 99.0")).message.contains("0.1 to 50 mm"));
 }
