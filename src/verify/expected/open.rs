@@ -22,10 +22,8 @@ use crate::verify::grooves::FLAT;
 
 /// The burned radius at a ligament's root, in its widths.
 const ROOT: f64 = 0.25;
-/// Arcs with a shorter chord and lower walls are left out, millimetres.
+/// Arcs with a shorter chord and lower walls are left out, millimetres; a wall keeps as much beside its arc.
 const SHORTEST: f64 = 0.011;
-/// A wall's arc takes so much of it at most.
-const OF_WALL: f64 = 0.9;
 /// A piece's corner whose sine is less is straight.
 const STRAIGHT: f64 = 1e-3;
 
@@ -135,7 +133,7 @@ impl<'a> Sheet<'a> {
         let wall = top.map_or(f64::INFINITY, |top| (top - wall_foot).dot(window));
         let mut points = match top {
             Some(top) if (natural - foot).dot(outwards) - beyond < half && wall >= SHORTEST => {
-                let radius = self.root.min(OF_WALL * wall);
+                let radius = self.root.min(wall - SHORTEST);
                 let mut points = vec![top];
                 points.extend(rounded(-window, wall_foot, -outwards, radius));
                 points
