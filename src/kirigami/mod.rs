@@ -24,9 +24,9 @@ pub mod control_mesh;
 
 pub mod terms;
 
-pub mod stage2;
-
 pub mod phases;
+
+pub mod stage2;
 
 pub mod stage3;
 

@@ -1,6 +1,6 @@
 //! Stage 3 as a sequence of minimisations with other weights.
 
-use crate::solver::{Options, Report, Run, Step, Termination};
+use crate::solver::{Options, Precision, Report, Run, Step, Termination};
 
 /// A run of steps with the same weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,16 @@ pub struct Phase {
     pub fair: f64,
     /// When to stop.
     pub options: Options,
+}
+
+/// Beyond this number of pieces steps are made cheaper than they could be.
+pub(super) const MANY: usize = 5_000;
+
+/// Precision of the factors of soft steps. Single halves time and memory and converges as well, since residuals and
+/// gradient stay double; but rounding of the target's coordinates then shows in the fourth digit of what isometry leaves
+/// free, which few pieces are spared.
+pub fn soft_precision(pieces: usize) -> Precision {
+    if pieces > MANY { Precision::Single } else { Precision::Double }
 }
 
 /// The hard phase stops at this sum of squared residuals: relative length errors near 1e-15 for a few

@@ -30,10 +30,9 @@ impl Family for Rotating<'_> {
 
     fn stage2(&self, level: &Level, start: &ControlMesh, name: &str, run: &mut Run) -> (ControlMesh, Report) {
         let Level { cover, gap } = level;
-        let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
         let (cells, weights) = (Cells::Rotating, self.stage2);
         let problem = stage2::Problem { cover, goals: self.goals, gap: *gap, cells, weights };
-        stage2(&problem, start, &options, name, run)
+        stage2(&problem, start, &stage2::course(cover.mesh.pieces.len()), name, run)
     }
 
     fn start(&self, level: &Level, control: &ControlMesh) -> Pattern {
@@ -123,9 +122,10 @@ fn soft_again() -> Phase {
 }
 
 fn regime(level: &Level, beginning: Beginning) -> Regime {
+    let pieces = level.cover.mesh.pieces.len();
     match beginning {
-        Beginning::Model => Regime::from_model(),
-        Beginning::Coarser => Regime::from_coarser(level.cover.mesh.pieces.len()),
+        Beginning::Model => Regime::from_model(pieces),
+        Beginning::Coarser => Regime::from_coarser(pieces),
     }
 }
 

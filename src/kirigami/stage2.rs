@@ -6,6 +6,7 @@
 use super::control_mesh::{ControlMesh, Goals, Target};
 use super::cover::{Boundary, Cover};
 use super::design::State;
+use super::phases::soft_precision;
 use super::piece_mesh::{Edge, PieceMesh};
 use super::terms::{
     CellDimensions, Diagonals, Held, Hold, LinearTerm, OrthogonalDiagonals, PointAt, PrincipalStretches,
@@ -150,6 +151,12 @@ pub enum Cells {
     Rotating,
     /// The same principal stretches everywhere along the grid's two directions, Eq. (10).
     Stretched([f64; 2]),
+}
+
+/// When to stop, on a grid of so many pieces.
+pub fn course(pieces: usize) -> Options {
+    let precision = soft_precision(pieces);
+    Options { iterations: 10, energy_tolerance: 1e-2, precision, ..Options::default() }
 }
 
 /// Optimises a pair of control meshes; `name` is that of the minimisation in the journal.

@@ -8,7 +8,7 @@ use super::cover::Cover;
 use super::guides::settle;
 use super::pattern::{Pattern, Unknowns};
 use super::pattern_terms::{hard_terms, soft_terms};
-use super::phases::{Phase, hard, most_steps, run_phases};
+use super::phases::{MANY, Phase, hard, most_steps, run_phases, soft_precision};
 use crate::solver::{Coupling, Options, Precision, Report, Run, System};
 
 /// Weights of the soft phase, for a mean edge of 1. Isometry and planarity have weight 1.
@@ -59,15 +59,10 @@ pub struct Regime {
     pub coupling: Coupling,
 }
 
-/// Up to this number of pieces fairness is fully coupled. Beyond, its curvature is bounded place by place: that makes
-/// the factor six times cheaper, and long waves have been settled on coarser grids. The factor of soft phases is then in
-/// single precision: rounding of the target's coordinates shows in the fourth digit of what isometry leaves free.
-const FULLY_COUPLED: usize = 5_000;
-
 impl Regime {
     /// From the model cells of Stage 2. Closeness first gains and then phases out, so that the hard phase has little
     /// left to correct; fairness phases out throughout.
-    pub fn from_model() -> Self {
+    pub fn from_model(pieces: usize) -> Self {
         // Factors of closeness and of fairness, most iterations, and the relative decrease below which a phase ends.
         const SOFT: [(f64, f64, usize, f64); 5] = [
             (1.0, 1.0, 12, 1e-2),
@@ -76,19 +71,17 @@ impl Regime {
             (0.2, 4e-3, 10, 1e-3),
             (0.02, 4e-4, 10, 1e-3),
         ];
-        Self { phases: phases(&SOFT, Precision::Double), coupling: Coupling::Full }
+        Self { phases: phases(&SOFT, soft_precision(pieces)), coupling: Coupling::Full }
     }
 
-    /// From an optimised pattern of larger pieces: only details remain to be found.
+    /// From an optimised pattern of larger pieces: only details remain to be found. Where there are many, the curvature of
+    /// fairness is bounded place by place: that makes the factor six times cheaper, and long waves have been settled
+    /// on coarser grids.
     pub fn from_coarser(pieces: usize) -> Self {
         const SOFT: [(f64, f64, usize, f64); 3] =
             [(1.0, 1.0, 4, 3e-2), (2.0, 0.04, 6, 1e-2), (0.1, 2e-3, 3, 1e-2)];
-        let (coupling, precision) = if pieces > FULLY_COUPLED {
-            (Coupling::ByPlace, Precision::Single)
-        } else {
-            (Coupling::Full, Precision::Double)
-        };
-        Self { phases: phases(&SOFT, precision), coupling }
+        let coupling = if pieces > MANY { Coupling::ByPlace } else { Coupling::Full };
+        Self { phases: phases(&SOFT, soft_precision(pieces)), coupling }
     }
 
     /// Most steps of all phases together.

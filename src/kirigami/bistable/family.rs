@@ -13,7 +13,7 @@ use crate::kirigami::design::Design;
 use crate::kirigami::levels::{Beginning, Displacement, Family, Level, mean_displacement};
 use crate::kirigami::phases::most_steps;
 use crate::kirigami::stage2::{self, Cells, stage2};
-use crate::solver::{Options, Report, Run};
+use crate::solver::{Report, Run};
 
 /// What Stages 2 and 3 need to know beside the grid.
 pub struct Snapping<'a> {
@@ -67,8 +67,7 @@ impl Family for Snapping<'_> {
         let weights = &stage2::Weights { fair, ..self.stage2.clone() };
         let cells = Cells::Stretched(in_millimetres(self.proportions, cover, *gap).stretches());
         let problem = stage2::Problem { cover, goals: self.goals, gap: *gap, cells, weights };
-        let options = Options { iterations: 10, energy_tolerance: 1e-2, ..Default::default() };
-        stage2(&problem, start, &options, name, run)
+        stage2(&problem, start, &stage2::course(cover.mesh.pieces.len()), name, run)
     }
 
     fn start(&self, level: &Level, control: &ControlMesh) -> Fitted {

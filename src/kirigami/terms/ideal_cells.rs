@@ -39,7 +39,7 @@ fn rotating_rectangles_leave_no_residual() {
     let weights = Weights { corners: 0.0, ..Weights::default() };
     let problem = Problem { cover: &cover, goals, gap: 0.0, weights: &weights };
     let mut terms = hard_terms(&cover.mesh, &at, &pattern, scale);
-    terms.extend(soft_terms(&problem, [&pattern; 2], &at, &Regime::from_model().phases[0], Coupling::Full));
+    terms.extend(soft_terms(&problem, [&pattern; 2], &at, &Regime::from_model(1).phases[0], Coupling::Full));
     let x = at.pack(&pattern, scale);
     let names: Vec<&str> = terms.iter().map(|weighted| weighted.term.name()).collect();
     let all = ["isom", "planarity", "prox", "boundary", "sides", "opening", "rectangles", "widths"];

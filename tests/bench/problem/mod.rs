@@ -14,7 +14,7 @@ use kirimorph::kirigami::control_mesh::{ControlMesh, Goals, Layout, Layouts, Lin
 use kirimorph::kirigami::cover::{Cover, PieceSize, cover};
 use kirimorph::kirigami::pattern::{Opening, Pattern, Unknowns, initial_pattern};
 use kirimorph::kirigami::pattern_terms::{hard_terms, soft_terms};
-use kirimorph::kirigami::phases::Phase;
+use kirimorph::kirigami::phases::{Phase, soft_precision};
 use kirimorph::kirigami::stage2::{self, stage2};
 use kirimorph::kirigami::stage3::{self, Regime, stage3};
 use kirimorph::solver::{Coupling, Journal, Options, Precision, Run, Step, Weighted};
@@ -144,7 +144,8 @@ impl Problem {
         let problem =
             stage2::Problem { cover, goals, gap: GAP, cells: stage2::Cells::Rotating, weights: &weights };
         clocked(|run| {
-            stage2(&problem, control, &fixed(steps), "stage-2", run);
+            let options = Options { precision: soft_precision(self.pieces()), ..fixed(steps) };
+            stage2(&problem, control, &options, "stage-2", run);
         })
         .swap_remove(0)
     }
