@@ -80,8 +80,11 @@ pub fn fabricate(
         Some(State::Open) => open_sheet::lay_out(&design, profile, lengths)?,
         None => return Err(FabricationError::NoFlatState),
     };
-    let hinges = hinge_rows(&design, &laid.ligaments, profile);
-    Ok(Fabrication { layout: layout(&laid.paths, &design, profile), design, hinges, outlines: laid.outlines })
+    let (hinges, layout) = rayon::join(
+        || hinge_rows(&design, &laid.ligaments, profile),
+        || layout(&laid.paths, &design, profile),
+    );
+    Ok(Fabrication { layout, design, hinges, outlines: laid.outlines })
 }
 
 /// The hinge points on the sheet.

@@ -1,13 +1,15 @@
 //! Which pieces, edges and hinges meet at each corner of the sheet: edges with their hinges, the fan of edges
 //! around each corner, and the border loops. Combinatorics only; the positions serve error messages.
 
-use std::collections::BTreeMap;
+mod half_edges;
 
 use kurbo::Point;
 
 use super::error::FabricationError;
 use super::states::{corner_place, sheet_vertices};
 use crate::kirigami::design::{Design, PatternKind, State};
+
+use half_edges::HalfEdges;
 
 /// A side of a piece: interior if a second piece lies to its right, else border.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,9 +68,6 @@ pub struct Topology {
     pub loops: Vec<Vec<usize>>,
 }
 
-/// Directed corner pair -> (piece, vertex at its start).
-type HalfEdges = BTreeMap<[usize; 2], (usize, usize)>;
-
 /// Builds the combinatorics.
 ///
 /// # Errors
@@ -77,10 +76,10 @@ type HalfEdges = BTreeMap<[usize; 2], (usize, usize)>;
 /// point only.
 pub fn topology(design: &Design) -> Result<Topology, FabricationError> {
     check_numbers(design)?;
-    let half_edges = half_edges(design)?;
-    let (mut edges, edge_of) = edges(&half_edges);
-    attach_hinges(design, &mut edges, &edge_of)?;
-    let fans = fans(design, &half_edges, &edge_of)?;
+    let half_edges = HalfEdges::new(design)?;
+    let mut edges = edges(&half_edges);
+    attach_hinges(design, &mut edges, &half_edges)?;
+    let fans = fans(design, &half_edges)?;
     let loops = border_loops(&edges, &fans);
     Ok(Topology { edges, fans, loops })
 }
@@ -120,45 +119,23 @@ fn check_numbers(design: &Design) -> Result<(), FabricationError> {
     Ok(())
 }
 
-fn half_edges(design: &Design) -> Result<HalfEdges, FabricationError> {
-    let mut map = HalfEdges::new();
-    for (index, piece) in design.pieces.iter().enumerate() {
-        let count = piece.corners.len();
-        for side in 0..count {
-            let key = [piece.corners[side], piece.corners[(side + 1) % count]];
-            if key[0] == key[1] {
-                let reason = format!("corner {} occurs twice in a row", key[0]);
-                return Err(FabricationError::BadPiece { piece: index, reason });
-            }
-            if let Some((other, _)) = map.insert(key, (index, side)) {
-                let reason =
-                    format!("piece {other} has the same side from corner {} to corner {}", key[0], key[1]);
-                return Err(FabricationError::BadPiece { piece: index, reason });
-            }
+fn edges(half_edges: &HalfEdges) -> Vec<Edge> {
+    let mut edges: Vec<Edge> = Vec::new();
+    for (from, side) in half_edges.each() {
+        // Of an inner edge the second side comes later.
+        if side.edge < edges.len() {
+            continue;
         }
+        let right = half_edges.get([side.to, from]).map(|twin| twin.at.0);
+        edges.push(Edge { ends: [from, side.to], left: side.at.0, right, hinge: None });
     }
-    Ok(map)
-}
-
-fn edges(half_edges: &HalfEdges) -> (Vec<Edge>, BTreeMap<[usize; 2], usize>) {
-    let mut edges = Vec::new();
-    let mut edge_of = BTreeMap::new();
-    for (&[from, to], &(left, _)) in half_edges {
-        let right = half_edges.get(&[to, from]).map(|&(piece, _)| piece);
-        if right.is_some() && to < from {
-            continue; // the other direction makes the edge
-        }
-        edge_of.insert([from, to], edges.len());
-        edge_of.insert([to, from], edges.len());
-        edges.push(Edge { ends: [from, to], left, right, hinge: None });
-    }
-    (edges, edge_of)
+    edges
 }
 
 fn attach_hinges(
     design: &Design,
     edges: &mut [Edge],
-    edge_of: &BTreeMap<[usize; 2], usize>,
+    half_edges: &HalfEdges,
 ) -> Result<(), FabricationError> {
     let mut found = vec![0; edges.len()];
     for (id, hinge) in design.hinges.iter().enumerate() {
@@ -179,7 +156,7 @@ fn attach_hinges(
         let next = piece.corners[(hinge.vertices[0] + 1) % count];
         let previous = piece.corners[(hinge.vertices[0] + count - 1) % count];
         let mut shared = [next, previous].into_iter().filter_map(|end| {
-            let edge = edge_of[&[corner, end]];
+            let edge = half_edges.edge([corner, end]);
             let pieces = [Some(edges[edge].left), edges[edge].right];
             pieces.contains(&Some(hinge.pieces[1])).then_some(edge)
         });
@@ -215,11 +192,7 @@ fn attach_hinges(
     }
 }
 
-fn fans(
-    design: &Design,
-    half_edges: &HalfEdges,
-    edge_of: &BTreeMap<[usize; 2], usize>,
-) -> Result<Vec<Fan>, FabricationError> {
+fn fans(design: &Design, half_edges: &HalfEdges) -> Result<Vec<Fan>, FabricationError> {
     let mut incident = vec![Vec::new(); design.corners.len()];
     for (index, piece) in design.pieces.iter().enumerate() {
         for (vertex, &corner) in piece.corners.iter().enumerate() {
@@ -227,7 +200,7 @@ fn fans(
         }
     }
     let fan_at = |(corner, uses): (usize, &Vec<(usize, usize)>)| {
-        fan(design, half_edges, edge_of, corner, uses).ok_or_else(|| {
+        fan(design, half_edges, corner, uses).ok_or_else(|| {
             let Point { x, y } = corner_place(design, corner);
             let reason = "pieces touch here in one point only, which no ligament can hold: add or remove a piece \
                           so that the sheet's border passes the corner once";
@@ -238,13 +211,7 @@ fn fans(
 }
 
 /// The fan of one corner; `None` if its pieces do not form one run.
-fn fan(
-    design: &Design,
-    half_edges: &HalfEdges,
-    edge_of: &BTreeMap<[usize; 2], usize>,
-    corner: usize,
-    uses: &[(usize, usize)],
-) -> Option<Fan> {
+fn fan(design: &Design, half_edges: &HalfEdges, corner: usize, uses: &[(usize, usize)]) -> Option<Fan> {
     let next_of = |(piece, vertex): (usize, usize)| {
         let corners = &design.pieces[piece].corners;
         corners[(vertex + 1) % corners.len()]
@@ -253,21 +220,21 @@ fn fan(
         let corners = &design.pieces[piece].corners;
         corners[(vertex + corners.len() - 1) % corners.len()]
     };
-    let on_border = |&&at: &&(usize, usize)| !half_edges.contains_key(&[next_of(at), corner]);
+    let on_border = |&&at: &&(usize, usize)| half_edges.get([next_of(at), corner]).is_none();
     let mut starts = uses.iter().filter(on_border);
     let Some(&start) = starts.next().or(uses.first()) else {
         return Some(Fan::default());
     };
-    let mut fan = Fan { edges: vec![edge_of[&[corner, next_of(start)]]], ..Fan::default() };
+    let mut fan = Fan { edges: vec![half_edges.edge([corner, next_of(start)])], ..Fan::default() };
     let mut at = start;
     loop {
         fan.pieces.push(at.0);
         let far = previous_of(at);
-        let next = half_edges.get(&[corner, far]).copied();
+        let next = half_edges.get([corner, far]).map(|side| side.at);
         if next == Some(start) {
             break;
         }
-        fan.edges.push(edge_of[&[corner, far]]);
+        fan.edges.push(half_edges.edge([corner, far]));
         match next {
             Some(piece) => at = piece,
             None => {

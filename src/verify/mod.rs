@@ -195,8 +195,8 @@ pub fn verify(files: Files, wanted: Wanted) -> Result<Verified, ReadError> {
         faults.extend(file.faults.iter().cloned());
         faults.extend(file.hash_fault(wanted.hash));
     }
-    let agreement = agreement::compare(&dxf, &svg);
-    let (mut figures, found) = measure(&dxf, wanted);
+    let (agreement, (mut figures, found)) =
+        rayon::join(|| agreement::compare(&dxf, &svg), || measure(&dxf, wanted));
     faults.extend(found);
     if let Some(fault) = agreement.fault {
         faults.push(fault);
@@ -226,22 +226,23 @@ fn measure(file: &MachineFile, wanted: Wanted) -> (Option<Figures>, Vec<Fault>) 
     }
     finish::check_leads(&whole, wanted, &mut faults);
     finish::check_engraving(raw, wanted, &mut faults);
-    let of_sheet = Figures {
-        cuts: paths::cuts(&raw.paths),
-        engraved: finish::engraved_length(raw),
-        tab_widths: whole.tab_widths,
-        stock_distance,
-        shortest_segment,
-        end_gap: crate::fabrication::cuts::end_gap(&raw.paths),
-        ..Figures::NOTHING
-    };
-    let parts = match wanted.copies {
+    let parts = || match wanted.copies {
         [Vec2::ZERO] => {
             let (figures, found) = measure_part(file, wanted);
             faults.extend(found);
             vec![figures]
         }
         copies => copies::each(file, copies, &mut faults, |part| measure_part(part, wanted)),
+    };
+    let (end_gap, parts) = rayon::join(|| crate::fabrication::cuts::end_gap(&raw.paths), parts);
+    let of_sheet = Figures {
+        cuts: paths::cuts(&raw.paths),
+        engraved: finish::engraved_length(raw),
+        tab_widths: whole.tab_widths,
+        stock_distance,
+        shortest_segment,
+        end_gap,
+        ..Figures::NOTHING
     };
     (Some(parts.into_iter().fold(of_sheet, Figures::with)), faults)
 }
@@ -260,11 +261,22 @@ fn measure_part(file: &MachineFile, wanted: Wanted) -> (Figures, Vec<Fault>) {
             return (Figures::NOTHING, faults);
         }
     };
-    let web = paths::check_webs(file, &contacts, profile, &mut faults);
-    let burned = burn::check(file, border, &grooves, &contacts, wanted, &mut faults);
-    let ligaments = ligaments::check(file, &grooves, wanted, &mut faults);
-    let piece_deviation = pieces::check(file, &grooves, wanted, &mut faults);
-    paths::check_free_ends(file, &grooves, wanted, kerf, &mut faults);
+    let left = || {
+        let mut faults = Vec::new();
+        let web = paths::check_webs(file, &contacts, profile, &mut faults);
+        let burned = burn::check(file, border, &grooves, &contacts, wanted, &mut faults);
+        (web, burned, faults)
+    };
+    let placed = || {
+        let mut faults = Vec::new();
+        let ligaments = ligaments::check(file, &grooves, wanted, &mut faults);
+        let piece_deviation = pieces::check(file, &grooves, wanted, &mut faults);
+        paths::check_free_ends(file, &grooves, wanted, kerf, &mut faults);
+        (ligaments, piece_deviation, faults)
+    };
+    // Each has stretches that keep one core busy only.
+    let ((web, burned, of_body), (ligaments, piece_deviation, of_places)) = rayon::join(left, placed);
+    faults.extend(of_body.into_iter().chain(of_places));
     let figures = Figures {
         bodies: burned.bodies,
         pieces_held: burned.pieces_held,

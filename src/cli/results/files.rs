@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 
+use rayon::prelude::*;
+
 use super::super::{milled, morphs::Moving, setup_sheet};
 use super::{Results, WriteError, no_cut_file};
 use crate::fabrication::fabricate::Fabrication;
@@ -36,104 +38,145 @@ impl Results<'_> {
 
     /// Writes all files but the times.
     pub(super) fn write(&self, out: &OutputFolder) -> Result<(), WriteError> {
-        let Self { product, profile, .. } = self;
-        let hinges = product.hinges();
         out.write::<WriteError>("design.json", |file| Ok(design_json::write(&self.file, file)?))?;
-        out.write::<WriteError>("hinges.json", |file| {
-            let mill = self.extras.milled().map(|(milled, machine)| milled::object(milled, machine));
-            let cut = self.extras.plan.as_ref().map(|plan| &plan.report);
-            Ok(hinge_report::write_json(hinges, profile, cut, mill.as_ref(), file)?)
-        })?;
-        out.write::<WriteError>("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?))?;
-        if let Some(snap) = &self.extras.snap {
-            let [json, svg] = SNAP_FILES;
-            let object = snap_report::object(snap, &profile.name);
-            out.write::<WriteError>(json, |file| Ok(writeln!(file, "{object:#}")?))?;
-            out.write::<WriteError>(svg, |file| Ok(snap_report::write_plot(snap, self.name(), file)?))?;
+        let hash = fingerprint(&out.read("design.json")?);
+        let mut files = self.pages();
+        match (self.product, &self.extras.plan) {
+            (Product::Sheet(sheet), Some(plan)) => {
+                files.extend(self.machine_files(plan, &hash));
+                files.extend(self.views_of_sheet(sheet));
+            }
+            (Product::Sheet(_), None) => {
+                return Err(WriteError("a sheet without a plan for cutting".to_owned()));
+            }
+            (Product::Assembly(assembly), _) => files.extend(self.views_of_pieces(assembly)),
         }
-        if let Some(Moving { morph, bodies }) = &self.extras.moving {
-            let scene = glb::Scene { name: self.name(), design: product.design(), bodies, morph };
-            out.write::<WriteError>(MORPH, |file| Ok(glb::write(&scene, file)?))?;
-        }
-        out.write::<WriteError>(REPORT, |file| {
-            Ok(report::write(&self.report(&self.remarks(), &self.cutting(), &self.setup()), file)?)
-        })?;
-        match (product, &self.extras.plan) {
-            (Product::Sheet(sheet), Some(plan)) => self.write_sheet(sheet, plan, out),
-            (Product::Sheet(_), None) => Err(WriteError("a sheet without a plan for cutting".to_owned())),
-            (Product::Assembly(assembly), _) => self.write_assembly(assembly, out),
-        }
+        // One at a time per core; where several fail the first one is told.
+        let written: Vec<Result<(), WriteError>> =
+            files.par_iter().with_max_len(1).map(|(name, write)| out.write(name, write)).collect();
+        written.into_iter().collect()
     }
 
-    /// The cut files and the page that shows them.
-    fn write_sheet(
-        &self,
-        fabrication: &Fabrication,
-        plan: &CutPlan,
-        out: &OutputFolder,
-    ) -> Result<(), WriteError> {
+    /// What people and programs read of the hinges and the whole.
+    fn pages(&self) -> Vec<Writing<'_>> {
+        let Self { product, profile, extras, .. } = self;
+        let hinges = product.hinges();
+        let mut files = vec![
+            writing(REPORT, |file| {
+                Ok(report::write(&self.report(&self.remarks(), &self.cutting(), &self.setup()), file)?)
+            }),
+            writing("hinges.json", |file| {
+                let mill = extras.milled().map(|(milled, machine)| milled::object(milled, machine));
+                let cut = extras.plan.as_ref().map(|plan| &plan.report);
+                Ok(hinge_report::write_json(hinges, profile, cut, mill.as_ref(), file)?)
+            }),
+            writing("hinges.csv", |file| Ok(hinge_report::write_csv(hinges, file)?)),
+        ];
+        if let Some(snap) = &extras.snap {
+            let [json, svg] = SNAP_FILES;
+            let object = snap_report::object(snap, &profile.name);
+            files.push(writing(json, move |file| Ok(writeln!(file, "{object:#}")?)));
+            files.push(writing(svg, |file| Ok(snap_report::write_plot(snap, self.name(), file)?)));
+        }
+        if let Some(Moving { morph, bodies }) = &extras.moving {
+            files.push(writing(MORPH, move |file| {
+                let scene = glb::Scene { name: self.name(), design: product.design(), bodies, morph };
+                Ok(glb::write(&scene, file)?)
+            }));
+        }
+        files
+    }
+
+    /// The cut files or the program, with the design's hash in them.
+    fn machine_files<'b>(&'b self, plan: &'b CutPlan, hash: &str) -> Vec<Writing<'b>> {
         let profile = self.profile;
         let comments = [
             format!("kirimorph {}, job {}, profile {}", env!("CARGO_PKG_VERSION"), self.name(), profile.name),
             format!("millimetres; {}", applied_words(profile)),
-            verify::hash_comment(&fingerprint(&out.read("design.json")?)),
+            verify::hash_comment(hash),
         ];
         if let Some((milled, machine)) = self.extras.milled() {
-            self.write_program(milled, machine, &comments, out)?;
-        } else {
-            out.write::<WriteError>("cut.dxf", |file| {
-                Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?)
-            })?;
-            out.write::<WriteError>("cut.svg", |file| Ok(svg::write(&plan.layout, &comments, file)?))?;
+            return self.program_files(milled, machine, comments);
         }
-        if let Some(solids) = &self.extras.solids {
-            let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
-            for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
-                out.write::<WriteError>(name, |file| Ok(write_stl(mesh.triangles(), file)?))?;
-            }
-        }
-        let preview = Preview {
-            fabrication,
-            heading: self.heading(),
-            groove: if self.extras.milled.is_some() { "tool" } else { "kerf" },
-            made_from: match self.extras.milled {
-                Some(_) => "the mill runs the program",
-                None => "cut cut.dxf or cut.svg",
-            },
-        };
-        out.write::<WriteError>("preview.svg", |file| Ok(preview::write(&preview, file)?))
+        let again = comments.clone();
+        vec![
+            writing("cut.dxf", move |file| Ok(dxf::write(&plan.layout, self.dxf, &comments, file)?)),
+            writing("cut.svg", move |file| Ok(svg::write(&plan.layout, &again, file)?)),
+        ]
     }
 
     /// The program, its picture, and what the person at the machine needs to know. What was verified is what is written.
-    fn write_program(
-        &self,
-        milled: &Milled,
-        machine: &Machine,
-        comments: &[String],
-        out: &OutputFolder,
-    ) -> Result<(), WriteError> {
-        for (name, text) in &milled.program.files {
-            out.write::<WriteError>(name, |file| Ok(file.write_all(text.as_bytes())?))?;
-        }
+    fn program_files<'b>(
+        &'b self,
+        milled: &'b Milled,
+        machine: &'b Machine,
+        notes: [String; 3],
+    ) -> Vec<Writing<'b>> {
         let [picture, setup] = MILL_FILES;
         let stock = [self.profile.sheet.width, self.profile.sheet.height];
-        let drawn = toolpath_svg::Picture { planned: &milled.planned, stock, notes: comments };
-        out.write::<WriteError>(picture, |file| Ok(toolpath_svg::write(&drawn, file)?))?;
-        let text = setup_sheet::setup(milled, self, machine);
-        out.write::<WriteError>(setup, |file| Ok(file.write_all(text.as_bytes())?))
+        let program = milled
+            .program
+            .files
+            .iter()
+            .map(|(name, text)| writing(name, |file| Ok(file.write_all(text.as_bytes())?)));
+        let mut files: Vec<Writing> = program.collect();
+        files.push(writing(picture, move |file| {
+            let drawn = toolpath_svg::Picture { planned: &milled.planned, stock, notes: &notes };
+            Ok(toolpath_svg::write(&drawn, file)?)
+        }));
+        files.push(writing(setup, |file| {
+            Ok(file.write_all(setup_sheet::setup(milled, self, machine).as_bytes())?)
+        }));
+        files
+    }
+
+    /// The solids of a sheet, and the page that shows it.
+    fn views_of_sheet<'b>(&'b self, fabrication: &'b Fabrication) -> Vec<Writing<'b>> {
+        let mut files = Vec::new();
+        if let Some(solids) = &self.extras.solids {
+            let moved = MOVED[usize::from(fabrication.design.sheet_state == Some(State::Open))];
+            for (name, mesh) in [(PART, &solids.part), (moved, &solids.moved)] {
+                files.push(writing(name, |file| Ok(write_stl(mesh.triangles(), file)?)));
+            }
+        }
+        let milled = self.extras.milled.is_some();
+        let preview = Preview {
+            fabrication,
+            heading: self.heading(),
+            groove: if milled { "tool" } else { "kerf" },
+            made_from: if milled { "the mill runs the program" } else { "cut cut.dxf or cut.svg" },
+        };
+        files.push(writing("preview.svg", move |file| Ok(preview::write(&preview, file)?)));
+        files
     }
 
     /// The solids of the pieces in both states, and the page that shows them.
-    fn write_assembly(&self, assembly: &Assembly, out: &OutputFolder) -> Result<(), WriteError> {
-        for (name, state) in SOLIDS.into_iter().zip([State::Closed, State::Open]) {
-            let triangles = solids(&assembly.design, state, self.profile.sheet.thickness)
-                .map_err(|(piece, error)| WriteError(format!("piece {piece}: {error}")))?;
-            out.write::<WriteError>(name, |file| Ok(write_stl(triangles.iter().copied(), file)?))?;
-        }
-        let page =
-            AssemblyPreview { assembly, heading: self.heading(), remark: &no_cut_file(&self.profile.name) };
-        out.write::<WriteError>("preview.svg", |file| Ok(assembly::write(&page, file)?))
+    fn views_of_pieces<'b>(&'b self, assembly: &'b Assembly) -> Vec<Writing<'b>> {
+        let solid = |(name, state): (&'b str, State)| {
+            writing(name, move |file| {
+                let triangles = solids(&assembly.design, state, self.profile.sheet.thickness)
+                    .map_err(|(piece, error)| WriteError(format!("piece {piece}: {error}")))?;
+                Ok(write_stl(triangles.iter().copied(), file)?)
+            })
+        };
+        let mut files: Vec<Writing> =
+            SOLIDS.into_iter().zip([State::Closed, State::Open]).map(solid).collect();
+        files.push(writing("preview.svg", |file| {
+            let remark = &no_cut_file(&self.profile.name);
+            Ok(assembly::write(&AssemblyPreview { assembly, heading: self.heading(), remark }, file)?)
+        }));
+        files
     }
+}
+
+/// A file's name, and what writes it.
+type Writing<'a> = (&'a str, Box<dyn Fn(&mut BufWriter<File>) -> Result<(), WriteError> + Send + Sync + 'a>);
+
+fn writing<'a>(
+    name: &'a str,
+    write: impl Fn(&mut BufWriter<File>) -> Result<(), WriteError> + Send + Sync + 'a,
+) -> Writing<'a> {
+    (name, Box::new(write))
 }
 
 /// Writes `timings.json`.

@@ -137,7 +137,7 @@ impl CutReport {
         options: &CutOptions,
     ) -> Self {
         let CutOptions { pierce, order, passes, .. } = *options;
-        let mut taken = Taken::new(paths, profile, passes);
+        let (mut taken, end_gap) = rayon::join(|| Taken::new(paths, profile, passes), || end_gap(paths));
         let dear = pierce == Pierce::MidSlit || order != CutOrder::Travel;
         let price = dear.then(|| taken.beside(&Taken::new(plain, profile, passes)));
         let leads = options.leads.map(|leads| {
@@ -181,7 +181,7 @@ impl CutReport {
             leads,
             tabs: finish.tabs,
             engraved,
-            end_gap: end_gap(paths),
+            end_gap,
         }
     }
 }
