@@ -246,6 +246,43 @@ fn the_sample_of_quarter_turns_is_milled() {
     assert_eq!(verified.status, 0, "{}", verified.stderr);
 }
 
+/// The sample with a corner of six pieces, twice as high: the axes of the three hinges there lean by 9 degrees towards each
+/// other. The polygon between them is wider than a laser's, so that the axis can turn from one to the next.
+#[test]
+fn a_corner_of_six_pieces_is_milled_where_its_axes_lean_towards_each_other() {
+    let folder = peers::fresh_folder("milling-six");
+    let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let mesh = std::fs::read_to_string(samples.join("star.obj")).unwrap();
+    let higher = mesh.lines().fold(String::new(), |mut text, line| {
+        match line.strip_prefix("v ").map(|point| point.rsplit_once(' ').unwrap()) {
+            Some((xy, z)) => writeln!(text, "v {xy} {}", 2.0 * z.parse::<f64>().unwrap()).unwrap(),
+            None => writeln!(text, "{line}").unwrap(),
+        }
+        text
+    });
+    std::fs::write(folder.join("star.obj"), higher).unwrap();
+    let machine = samples.join("machines/bc-trunnion-wedge.toml");
+    let job = format!(
+        "[target]\nopen = \"star.obj\"\nclosed = \"flat\"\nsize_mm = 640.0\n\
+         [pattern]\nkind = \"rotating-rectangles\"\npiece_mesh = \"star.obj\"\n\
+         [fabrication]\nprofile = \"nylon-6-conditioned-5mm\"\nmachine = {machine:?}\nsheet_mm = [900.0, 900.0]\n"
+    );
+    std::fs::write(folder.join("job.toml"), job).unwrap();
+    let done = run(&folder, ["make", "job.toml", "-o", "out"]);
+    assert_eq!(done.status, 0, "{}", done.stderr);
+    let report = read(&folder.join("out/hinges.json"));
+    let hinges = report["hinges"].as_array().unwrap();
+    let steep = hinges.iter().filter(|hinge| hinge["tilt_deg"].as_f64().unwrap() > 9.0).count();
+    assert_eq!(steep, 3);
+    for hinge in hinges {
+        assert_eq!(hinge["verdict"], "ok", "{hinge}");
+        assert!(hinge["centre_offset_mm"].as_f64().unwrap() < 1e-3, "{hinge}");
+    }
+    assert!(report["mill"]["ligament_centre_mm"].as_f64().unwrap() <= 0.005, "{}", report["mill"]);
+    let verified = run(&folder, ["verify", "out", "--machine", machine.to_str().unwrap()]);
+    assert_eq!(verified.status, 0, "{}", verified.stderr);
+}
+
 #[test]
 fn faults_of_programs_are_found() {
     let (folder, done) = made("faults", &job(BISTABLE, "profile = \"nylon-6-5mm\""));

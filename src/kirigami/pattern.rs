@@ -73,7 +73,7 @@ fn hinge_rises(mesh: &PieceMesh, corners: &[Point3]) -> Vec<Vector3> {
 
 /// How far the straight side of a junction should reach on either side of a hinge, in gaps: enough for ligaments up to
 /// two and a half gaps long, that is at a steel sheet's 0.55 mm for 1.4 mm and 125 degrees.
-const JUNCTION_REACH: f64 = 1.5;
+pub const JUNCTION_REACH: f64 = 1.5;
 
 /// Offsets of the closed hinge points: along the normal of the slit that passes the hinge's corner, towards the
 /// edge's other end. Zero where no slit passes.

@@ -5,7 +5,8 @@
 //! mean that keeps it even along all of them (harmonic). A groove has one direction for both walls: where two hinges face
 //! each other across a groove, the layout has a line for each.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::PI;
 
 use kurbo::{Point, Vec2};
 use rstar::primitives::{GeomWithData, Line};
@@ -13,6 +14,7 @@ use rstar::{AABB, RTree};
 
 use super::harmonic::fill;
 use crate::fabrication::cuts::ARC_TOLERANCE;
+use crate::fabrication::gaps::{held_beside, turned_beside};
 use crate::fabrication::hinge_table::HingeRow;
 use crate::fabrication::layout::{CutKind, CutPath};
 use crate::fabrication::web::{nearest_on_segment, segment_gap};
@@ -133,6 +135,8 @@ impl Stretch {
 struct Hold {
     from: f64,
     to: f64,
+    /// The part of that in front of the ligament itself.
+    ligament: [f64; 2],
     distance: f64,
     lean: Vec2,
 }
@@ -188,6 +192,7 @@ fn holds(lines: &[Stretch], hinges: &[HingeRow], radius: f64, splits: &mut [Vec<
         let reach = 0.5 * row.width + radius + row.pole_offset.abs() + row.centre_offset + PLAY;
         // As long as the straight stretch by which a slit passes a ligament.
         let half = 0.5 * row.length + 2.0 * radius;
+        let least = held_beside(row.length, radius);
         let lean = Vec2::new(row.axis.x, row.axis.y) / row.axis.z;
         let mut near: Vec<usize> =
             tree.locate_within_distance([point.x, point.y], reach * reach).map(|line| line.data).collect();
@@ -197,13 +202,64 @@ fn holds(lines: &[Stretch], hinges: &[HingeRow], radius: f64, splits: &mut [Vec<
             let foot = nearest_on_segment(point, line.ends);
             let (at, length) = (line.along(foot), line.length());
             let ends_here = (at <= SAME && line.terminal[0]) || (at >= length - SAME && line.terminal[1]);
-            let half = if ends_here { 0.0 } else { half };
+            let [half, least] = if ends_here { [0.0; 2] } else { [half, least] };
             let (from, to) = ((at - half).max(0.0), (at + half).min(length));
-            splits[index].extend([from, to]);
-            holds[index].push(Hold { from, to, distance: foot.distance(point), lean });
+            let ligament = [at - least, at + least];
+            holds[index].push(Hold { from, to, ligament, distance: foot.distance(point), lean });
         }
     }
+    give_way(lines, radius, &mut holds);
+    for (splits, holds) in splits.iter_mut().zip(&holds) {
+        splits.extend(holds.iter().flat_map(|hold| [hold.from, hold.to]));
+    }
     holds
+}
+
+/// Where two lines meet, each directed by a hinge of its own in its middle, both let go beside their ligaments, and
+/// close to the place the axis has the mean direction: so it has room to turn, and the walls that meet there run alike. This is so at the corners of the polygon in the middle of three slits.
+fn give_way(lines: &[Stretch], radius: f64, holds: &mut [Vec<Hold>]) {
+    // Ends beside which a line is held.
+    let mut ends: BTreeMap<[i64; 2], Vec<(usize, usize, usize)>> = BTreeMap::new();
+    for (index, (line, holds)) in lines.iter().zip(holds.iter()).enumerate() {
+        for (number, hold) in holds.iter().enumerate() {
+            let beyond = [hold.ligament[0] - hold.from, hold.to - hold.ligament[1]];
+            let short = [hold.from, line.length() - hold.to];
+            for side in (0..2).filter(|&side| 2.0 * short[side] <= line.length() && beyond[side] > SAME) {
+                let at = line.ends[side];
+                let cell = [at.x, at.y].map(|c| (c / SAME).round() as i64);
+                ends.entry(cell).or_default().push((index, number, side));
+            }
+        }
+    }
+    for meeting in ends.values() {
+        let lean = |&(line, number, _): &(usize, usize, usize)| holds[line][number].lean;
+        let turns = meeting.iter().any(|end| (lean(end) - lean(&meeting[0])).hypot() > SAME);
+        if !turns || meeting.iter().all(|end| end.0 == meeting[0].0) {
+            continue;
+        }
+        let mean = meeting.iter().map(lean).fold(Vec2::ZERO, |sum, lean| sum + lean) / meeting.len() as f64;
+        let along = |&(line, _, side): &(usize, usize, usize)| {
+            let [from, to] = lines[line].ends;
+            if side == 0 { to - from } else { from - to }
+        };
+        let opening =
+            |end| along(end).cross(along(&meeting[0])).abs().atan2(along(end).dot(along(&meeting[0])));
+        let turn = PI - meeting.iter().map(opening).fold(0.0, f64::max);
+        let apart = turned_beside(turn, radius);
+        for &(line, number, side) in meeting {
+            let length = lines[line].length();
+            let hold = &mut holds[line][number];
+            let (from, to) = if side == 0 {
+                hold.from = hold.ligament[0];
+                (0.0, apart.min(hold.from))
+            } else {
+                hold.to = hold.ligament[1];
+                ((length - apart).max(hold.to), length)
+            };
+            let turned = Hold { from, to, lean: mean, ..*hold };
+            holds[line].push(turned);
+        }
+    }
 }
 
 /// Nodes and edges as they come.

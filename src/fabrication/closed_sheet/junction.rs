@@ -16,7 +16,8 @@
 //!
 //! The sides reach at least (l - k)/2 + g tan(turn/2) to either end, l the ligament's free length and turn the angle by
 //! which the slit there turns towards the bar: then the bar's end keeps the ligament's width. The radius is the design's,
-//! or what that asks for where it is more; the ligament then stands off its hinge point by the difference. Where sides
+//! or what that asks for where it is more; the ligament then stands off its hinge point by the difference. Milled ones with ruled
+//! walls reach as far as the axis needs to turn ([`turning_reach`]). Where sides
 //! do not meet there (nearly parallel ones would meet far off) a short cut joins their ends, and the slit starts from it.
 //!
 //! Where a narrow cut ends inside the sheet its two sides count as one slit, which the border's cut reaches from outside;
@@ -30,6 +31,7 @@ use super::border::notch;
 use super::frame::{CornerKind, corner_error};
 use super::slit::Plan;
 use crate::fabrication::error::FabricationError;
+use crate::fabrication::gaps::turning_reach;
 use crate::fabrication::mechanics::pole_offset;
 use crate::kirigami::design::Design;
 
@@ -143,6 +145,7 @@ fn junction(plan: &Plan<'_>, design: &Design, corner: usize) -> Junction {
             side.radius = radius.max(side.least);
             side.reach = [false, true].map(|ccw| needed_reach(plan, side, middle, ccw));
         }
+        reach_for_turning(plan, design, corner, inside, &mut sides);
     }
     let feet = sides.iter().map(|s| (s.edge, (middle + s.radius * s.normal, s.normal))).collect();
     let passing = |edge: &usize| plan.topology.edges[*edge].hinge_at(corner).is_none();
@@ -227,6 +230,30 @@ fn needed_reach(plan: &Plan<'_>, side: &Side, middle: Point, counter_clockwise: 
     let turn = onwards.dot(side.normal).atan2(onwards.dot(along)).clamp(0.0, 0.5 * std::f64::consts::PI);
     // The part of a kerf is for where exactly the cut goes on to.
     side.half_bar + plan.gap * (0.5 * turn).tan() + 0.3 * plan.kerf
+}
+
+/// Where walls are ruled: sides reach as far as the tool's axis needs to turn from one hinge's to the next one's.
+fn reach_for_turning(
+    plan: &Plan<'_>,
+    design: &Design,
+    corner: usize,
+    pairs: &[[usize; 2]],
+    sides: &mut [Side],
+) {
+    if !plan.profile.cut.ruled {
+        return;
+    }
+    for &[i, j] in pairs {
+        if !meet(&sides[i], &sides[j]) {
+            continue;
+        }
+        let hinge = |i: usize| plan.topology.edges[sides[i].edge].hinge_at(corner);
+        let (Some(first), Some(second)) = (hinge(i), hinge(j)) else { continue };
+        let angle = between(&sides[i], &sides[j]);
+        let reach = turning_reach(design, plan.profile, plan.lengths, [first, second], angle);
+        sides[i].reach[1] = sides[i].reach[1].max(reach);
+        sides[j].reach[0] = sides[j].reach[0].max(reach);
+    }
 }
 
 /// Angle from the first side's normal to the next one's, counter-clockwise.
