@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use super::fabricate::ligament_lengths;
 use super::mechanics::pole_offset;
-use crate::geometry::Vector3;
+use crate::geometry::{Vector2, Vector3};
 use crate::kirigami::design::{Design, Hinge, PatternKind, State};
 use crate::kirigami::pattern::JUNCTION_REACH;
 use crate::profile::{Pole, Profile};
@@ -38,7 +38,7 @@ pub fn half_gaps(design: &Design, profile: &Profile) -> Option<Vec<f64>> {
     let lengths = ligament_lengths(design, profile).ok()?;
     let poles = profile.ligament.pole != Pole::Part(0.0) && design.pattern != PatternKind::Bistable;
     let (tapers, towards) = match design.sheet_state? {
-        State::Closed => (tapers(design, profile), -1.0),
+        State::Closed => (tapers(design, profile, &lengths), -1.0),
         State::Open if poles => (vec![0.0; design.hinges.len()], 1.0),
         State::Open => return None,
     };
@@ -49,7 +49,7 @@ pub fn half_gaps(design: &Design, profile: &Profile) -> Option<Vec<f64>> {
 }
 
 /// By how much each half of a passing slit is wider at mid-plane than half a groove, per hinge: t/4 |l1 - l2|.
-fn tapers(design: &Design, profile: &Profile) -> Vec<f64> {
+fn tapers(design: &Design, profile: &Profile, lengths: &[f64]) -> Vec<f64> {
     let mut tapers = vec![0.0; design.hinges.len()];
     if !profile.cut.ruled {
         return tapers;
@@ -59,11 +59,11 @@ fn tapers(design: &Design, profile: &Profile) -> Vec<f64> {
         at_corner.entry(design.pieces[hinge.pieces[0]].corners[hinge.vertices[0]]).or_default().push(id);
     }
     for (corner, hinges) in at_corner {
-        let [first, second] = hinges[..] else {
-            let room = polygon_room(design, profile, corner, &hinges);
+        if hinges.len() > 2 {
+            let room = polygon_room(design, profile, lengths, corner, &hinges);
             hinges.iter().for_each(|&id| tapers[id] = room);
-            continue;
-        };
+        }
+        let [first, second] = hinges[..] else { continue };
         let arm = |id: usize| (design.hinges[id].point - design.corners[corner]).try_normalize(1e-6);
         let (Some(normal), Some(other)) = (arm(first), arm(second)) else { continue };
         if normal.dot(&other) > OPPOSITE {
@@ -102,6 +102,9 @@ const TURNING_ERROR: f64 = 5e-3;
 /// Sides of the polygon that turn by so much less than half a circle do not meet in one corner.
 const OPEN: f64 = 0.2;
 
+/// The least part along the sheet's normal of an axis that a tool can follow at all.
+const FLATTEST: f64 = 0.5;
+
 /// How far the sides of such a polygon must reach beside two neighbouring hinges whose arms are `angle` apart, millimetres,
 /// for the tool's axis to turn from one hinge's to the other's between them. `lengths`: of the ligaments.
 pub fn turning_reach(
@@ -112,7 +115,11 @@ pub fn turning_reach(
     angle: f64,
 ) -> f64 {
     let radius = 0.5 * profile.cut.kerf;
-    let [first, second] = hinges.map(|id| design.hinges[id].axis.xy() / design.hinges[id].axis.z);
+    let [first, second] = hinges.map(|id| {
+        let axis = design.hinges[id].axis;
+        // Those that lie flatter are refused with the walls.
+        if axis.z.abs() > FLATTEST { axis.xy() / axis.z } else { Vector2::zeros() }
+    });
     // At the corner the axis has the mean direction.
     let shift = 0.25 * profile.sheet.thickness * (first - second).norm();
     let [length, other] = hinges.map(|id| lengths[id]);
@@ -120,8 +127,7 @@ pub fn turning_reach(
 }
 
 /// By how much the polygon between the hinges of a corner must be wider, measured from its middle, than patterns make it.
-fn polygon_room(design: &Design, profile: &Profile, corner: usize, hinges: &[usize]) -> f64 {
-    let Ok(lengths) = ligament_lengths(design, profile) else { return 0.0 };
+fn polygon_room(design: &Design, profile: &Profile, lengths: &[f64], corner: usize, hinges: &[usize]) -> f64 {
     let arm = |&id: &usize| {
         let arm = (design.hinges[id].point - design.corners[corner]).xy();
         (arm.norm() > 1e-6).then(|| (arm.y.atan2(arm.x), id))
@@ -135,7 +141,7 @@ fn polygon_room(design: &Design, profile: &Profile, corner: usize, hinges: &[usi
         if !(OPEN..PI - OPEN).contains(&angle) {
             continue;
         }
-        let reach = turning_reach(design, profile, &lengths, [first, second], angle);
+        let reach = turning_reach(design, profile, lengths, [first, second], angle);
         let per_reach = 1.0 / (0.5 * angle).tan();
         wanted = wanted.max(reach * per_reach);
         least = least.max(JUNCTION_REACH * design.gap * per_reach);
@@ -239,6 +245,8 @@ mod tests {
             halves[0] - 0.5 * profile.hinge_gap()
         };
         assert_eq!(room(0.0), 0.0);
+        // An axis that lies in the sheet is refused later, with a message.
+        assert!(room(1e9) == 0.0 && room(1.9) == 0.0);
         for lean in [0.2_f64, 0.4] {
             // The three leans are the corners of a triangle of this circumradius: half a side is what the axis turns by from a
             // hinge to a corner of the polygon, over half the thickness.

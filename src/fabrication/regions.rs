@@ -83,6 +83,7 @@ pub fn piece_outlines(
 /// Pieces in groups of neighbours: halved along the longer side of their box until few are left.
 fn groups<'a>(pieces: &'a mut [usize], middles: &[[f64; 2]]) -> Vec<&'a [usize]> {
     if pieces.len() <= TOGETHER {
+        pieces.sort_unstable();
         return vec![pieces];
     }
     let points: Contour = pieces.iter().map(|&piece| middles[piece]).collect();
@@ -138,10 +139,10 @@ impl<'a> Sheet<'a> {
         hinges.dedup();
         let ligaments = hinges.iter().map(|&hinge| self.ligaments[hinge].clone());
         let regions: Vec<Region> =
-            cuts.left(place, ligaments).into_iter().map(|shape| Region::new(shape, place, middles)).collect();
+            cuts.left(place, ligaments).into_iter().map(|shape| Region::new(shape, place)).collect();
         let mut outlines = Vec::with_capacity(group.len());
         for &piece in group {
-            let own = regions.iter().find(|region| region.pieces.contains(&piece));
+            let own = regions.iter().find(|region| region.holds(middles.of[piece]));
             let own = own.ok_or_else(|| self.gone(piece))?;
             self.check(piece, own)?;
             if !own.at_edge {
@@ -163,7 +164,8 @@ impl<'a> Sheet<'a> {
 
     /// Checks the region of a piece.
     fn check(&self, piece: usize, own: &Region) -> Result<(), FabricationError> {
-        if let Some(other) = own.pieces.iter().find(|&&other| other != piece) {
+        let inside = self.middles.in_region(&own.shape);
+        if let Some(other) = inside.iter().find(|&&other| other != piece) {
             return Err(
                 self.error(piece, format!("still hangs together with piece {other} beside the ligaments"))
             );
@@ -177,8 +179,10 @@ impl<'a> Sheet<'a> {
 
     /// Whether a region comes free that is no piece.
     fn falls(&self, region: &Region) -> bool {
-        let falls = region.pieces.is_empty() && !region.at_edge && area(&region.shape[0]) > self.scrap();
-        falls && self.cuts.in_sheet(inner_point(&region.shape[0], 0.0))
+        let loose = !region.at_edge && area(&region.shape[0]) > self.scrap();
+        loose
+            && self.middles.in_region(&region.shape).is_empty()
+            && self.cuts.in_sheet(inner_point(&region.shape[0], 0.0))
     }
 
     /// What is smaller, in square millimetres, is no concern.
@@ -199,19 +203,22 @@ impl<'a> Sheet<'a> {
 /// What is left between cuts.
 struct Region {
     shape: Shape,
-    /// The pieces whose middles lie in it, in ascending order.
-    pieces: Vec<usize>,
+    bounds: Rect,
     /// Whether it may go on beyond the box in which it was looked for.
     at_edge: bool,
 }
 
 impl Region {
-    fn new(shape: Shape, place: Rect, middles: &Middles) -> Self {
+    fn new(shape: Shape, place: Rect) -> Self {
         let inside = place.inflate(-AT_EDGE, -AT_EDGE);
         let bounds = contour_box(&shape[0]);
-        let at_edge = [Point::new(bounds.x0, bounds.y0), Point::new(bounds.x1, bounds.y1)];
-        let at_edge = !at_edge.into_iter().all(|corner| strictly(inside, corner));
-        Self { pieces: middles.in_region(&shape), at_edge, shape }
+        let corners = [Point::new(bounds.x0, bounds.y0), Point::new(bounds.x1, bounds.y1)];
+        let at_edge = !corners.into_iter().all(|corner| strictly(inside, corner));
+        Self { shape, bounds, at_edge }
+    }
+
+    fn holds(&self, [x, y]: [f64; 2]) -> bool {
+        self.bounds.contains(Point::new(x, y)) && holds(&self.shape, [x, y])
     }
 }
 

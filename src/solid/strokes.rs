@@ -215,7 +215,7 @@ fn holds(lines: &[Stretch], hinges: &[HingeRow], radius: f64, splits: &mut [Vec<
     holds
 }
 
-/// Where two lines meet, each directed by a hinge of its own in its middle, both let go beside their ligaments, and
+/// Where two sides of a window meet, each directed by a hinge of its own, both let go beside their ligaments, and
 /// close to the place the axis has the mean direction: so it has room to turn, and the walls that meet there run alike. This is so at the corners of the polygon in the middle of three slits.
 fn give_way(lines: &[Stretch], radius: f64, holds: &mut [Vec<Hold>]) {
     // Ends beside which a line is held.
@@ -224,7 +224,8 @@ fn give_way(lines: &[Stretch], radius: f64, holds: &mut [Vec<Hold>]) {
         for (number, hold) in holds.iter().enumerate() {
             let beyond = [hold.ligament[0] - hold.from, hold.to - hold.ligament[1]];
             let short = [hold.from, line.length() - hold.to];
-            for side in (0..2).filter(|&side| 2.0 * short[side] <= line.length() && beyond[side] > SAME) {
+            let near = |side: &usize| 2.0 * short[*side] <= line.length() && beyond[*side] > SAME;
+            for side in (0..2).filter(|side| line.kind == CutKind::Window && near(side)) {
                 let at = line.ends[side];
                 let cell = [at.x, at.y].map(|c| (c / SAME).round() as i64);
                 ends.entry(cell).or_default().push((index, number, side));

@@ -1,4 +1,4 @@
-//! The files, one after the other.
+//! The files, one at a time per core.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -58,12 +58,9 @@ pub fn cuts_of(
 pub fn lay_out(design: &Design, profile: &Profile, lengths: &[f64]) -> Result<LaidOut, FabricationError> {
     let kerf = profile.cut.kerf;
     let Fitted { cuts, topology, index, ligaments } = fitted(design, profile, lengths)?;
-    let (webs, outlines) = rayon::join(
-        || check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.cut.min_web),
-        || piece_outlines(design, &cuts.paths, &ligaments, kerf),
-    );
-    webs.map_err(|error| crowded(design, profile, &ligaments).unwrap_or(error))?;
-    let outlines = outlines?;
+    check_webs(&cuts.paths, &cuts.touches, &index, kerf, profile.cut.min_web)
+        .map_err(|error| crowded(design, profile, &ligaments).unwrap_or(error))?;
+    let outlines = piece_outlines(design, &cuts.paths, &ligaments, kerf)?;
     check_hinge_collisions(design, &outlines, &ligaments)?;
     check_corner_collisions(design, &topology, &outlines)?;
     Ok(LaidOut { paths: cuts.paths, ligaments, outlines })
